@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "orasp/model/problem.h"
+#include "orasp/planners/bellman_ford.h"
+#include "orasp/planners/budget.h"
+#include "orasp/planners/dijkstra.h"
+#include "orasp/planners/exhaustive.h"
+#include "orasp/planners/greedy.h"
+#include "orasp/planners/orasp_search.h"
+#include "orasp/planners/random_sequence.h"
+#include "orasp/planners/result.h"
+#include "orasp/planners/value_iteration.h"
+
+namespace orasp {
+
+/// The options of all planners, each with its defaults. A planner's row in the table picks its own.
+struct Options {
+  std::uint64_t seed = 1;  ///< of every planner that draws random numbers
+  ValueIterationOptions value_iteration;
+  BellmanFordOptions bellman_ford;
+};
+
+/// One row of the catalogue.
+struct Planner {
+  std::string_view name;
+  std::string_view summary;       ///< one line, for help texts
+  bool exact = false;             ///< proves optimality or infeasibility if it is not stopped
+  bool builds_graph = false;      ///< needs H in memory
+  std::size_t max_connections;    ///< refuses larger problems; 0: no limit of its own
+  bool (*available)() = nullptr;  ///< false where a library was left out of the build
+  Result (*run)(const TransitionSystem&, const Options&, const Budget&) = nullptr;
+};
+
+/// All planners, in the order of the documentation. The one table: command line, tests, docs and
+/// benchmarks walk it.
+[[nodiscard]] std::span<const Planner> planners();
+
+/// @throws InputError `unknown method 'astr'; known: ...`.
+[[nodiscard]] const Planner& find_planner(std::string_view name);
+
+/// Runs the planner called `method` (see planners()). Every plan it returns is legal;
+/// Status::Optimal only with proof. A problem that infeasibility() settles is answered without
+/// running anything. Exceptions: InputError only.
+///
+///     const Problem problem = orasp::load_scenario("hubble");
+///     const Result result = orasp::solve(problem, "value-iteration");
+///     result.reward;    // -0.9902
+[[nodiscard]] Result solve(const Problem& problem, std::string_view method,
+                           const Options& options = {}, const Budget& budget = {});
+
+}  // namespace orasp

@@ -1,0 +1,102 @@
+#include "orasp/io/atomic_file.h"
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "orasp/model/error.h"
+
+namespace orasp {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void fail(const fs::path& file, int error) {
+  throw InputError(
+      fmt::format("cannot write {}: {}", file.string(), std::generic_category().message(error)));
+}
+
+/// Writes everything; 0 or the error.
+int write_all(const Descriptor& descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ::ssize_t written = ::write(descriptor.number(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+void write_directly(const fs::path& file, std::string_view bytes) {
+  const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!descriptor.is_open()) fail(file, errno);
+  if (const int error = write_all(descriptor, bytes); error != 0) fail(file, error);
+}
+
+/// A name in `directory` that no other process and no other call uses.
+fs::path temporary_name(const fs::path& directory, unsigned attempt) {
+  return directory / fmt::format(".orasp-{}-{}.tmp", ::getpid(), attempt);
+}
+
+}  // namespace
+
+void write_file(const fs::path& file, std::string_view bytes) {
+  std::error_code error;
+  fs::path target = fs::canonical(file, error);  // follows links; fails where nothing is there yet
+  if (error) {
+    target =
+        fs::is_symlink(file, error) ? file.parent_path() / fs::read_symlink(file, error) : file;
+  }
+  struct ::stat status {};
+  const bool exists = ::stat(target.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) fail(file, EISDIR);
+  if (exists && !S_ISREG(status.st_mode)) return write_directly(target, bytes);
+  if (exists && ::access(target.c_str(), W_OK) != 0) fail(file, errno);
+  if (!target.has_filename()) fail(file, file.empty() ? ENOENT : EISDIR);
+
+  const fs::path directory = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  for (unsigned attempt = 0;; ++attempt) {
+    const fs::path temporary = temporary_name(directory, attempt);
+    int reason = 0;
+    {
+      const Descriptor descriptor(
+          ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+      if (!descriptor.is_open()) {
+        if (errno == EEXIST && attempt < 1000) continue;
+        fail(file, errno);
+      }
+      reason = write_all(descriptor, bytes);
+      if (reason == 0 && exists && ::fchmod(descriptor.number(), status.st_mode & 07777U) != 0)
+        reason = errno;
+      if (reason == 0 && ::fsync(descriptor.number()) != 0) reason = errno;
+    }
+    if (reason == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) reason = errno;
+    if (reason == 0) return;
+    ::unlink(temporary.c_str());
+    fail(file, reason);
+  }
+}
+
+}  // namespace orasp

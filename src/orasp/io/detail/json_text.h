@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace orasp::detail {
+
+/// A JSON value on one line with spaces after ':' and ',': {"id": "1", "mass": 2.0}. Numbers read
+/// back unchanged.
+[[nodiscard]] std::string inline_text(const nlohmann::ordered_json& value);
+
+/// A number; null where it is not finite, for JSON has no word for that. -0 is written as 0.
+[[nodiscard]] nlohmann::ordered_json number_or_null(double number);
+
+}  // namespace orasp::detail

@@ -1,0 +1,151 @@
+#include "orasp/io/formula_parser.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include "orasp/model/detail/wording.h"
+#include "orasp/model/error.h"
+
+namespace orasp {
+namespace {
+
+constexpr std::size_t kLongestFormula = 10'000;  // bytes
+
+/// A bare `=` assigns in muParser: a formula that stores something is not a function of the step.
+void refuse_assignments(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '=') continue;
+    if (i + 1 < text.size() && text[i + 1] == '=') {
+      ++i;
+    } else if (i == 0 || std::string_view("<>!").find(text[i - 1]) == std::string_view::npos) {
+      throw InputError(fmt::format("\"=\" at character {} assigns; write == to compare", i + 1));
+    }
+  }
+}
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/// What is wrong with a token that means nothing to muParser. `position` counts bytes from 0.
+std::string unknown_token(const mu::ParserBase& parser, const std::string& text,
+                          std::size_t position) {
+  std::size_t end = position;
+  while (end < text.size() && is_name_character(text[end])) ++end;
+  const std::string name = text.substr(position, end - position);
+  const std::size_t character = position + 1;
+  if (name.empty()) {
+    const auto length = static_cast<unsigned char>(text[position]) < 0x80 ? 1 : std::string::npos;
+    return fmt::format("{} at character {} means nothing in a formula",
+                       detail::in_quotes(text.substr(position, length)), character);
+  }
+  if (name[0] >= '0' && name[0] <= '9') {
+    return fmt::format("{} at character {} is not a number", detail::in_quotes(name), character);
+  }
+  if (parser.GetFunDef().contains(name)) {
+    return fmt::format("the function {} at character {} needs its arguments in parentheses",
+                       detail::in_quotes(name), character);
+  }
+  const std::size_t next = text.find_first_not_of(" \t\r\n", end);
+  const bool is_called = next != std::string::npos && text[next] == '(';
+  std::vector<std::string_view> known;
+  if (is_called) {
+    for (const auto& function : parser.GetFunDef()) known.push_back(function.first);
+  } else {
+    for (const FormulaVariable& variable : kFormulaVariables) known.push_back(variable.name);
+    for (const auto& constant : parser.GetConst()) known.push_back(constant.first);
+  }
+  return fmt::format("unknown {0} {1} at character {2}; known are {3}{4}",
+                     is_called ? "function" : "name", detail::in_quotes(name), character,
+                     detail::listed(known), detail::suggestion(name, known));
+}
+
+/// muParser's error said in a sentence of ours.
+std::string explained(const mu::ParserBase& parser, const std::string& text,
+                      const mu::ParserError& error) {
+  const auto position = static_cast<std::size_t>(std::max(error.GetPos(), 0));
+  switch (error.GetCode()) {
+    case mu::ecUNASSIGNABLE_TOKEN:
+      if (position < text.size()) return unknown_token(parser, text, position);
+      break;
+    case mu::ecUNEXPECTED_EOF:
+      return "the formula ends too early";
+    case mu::ecMISSING_PARENS:
+      return "a closing parenthesis is missing";
+    case mu::ecMISSING_ELSE_CLAUSE:
+      return "a \"?\" has no \":\"";
+    case mu::ecMISPLACED_COLON:
+      return "a \":\" has no \"?\"";
+    case mu::ecUNEXPECTED_CONDITIONAL:
+      return "a \"?\" or \":\" follows no value";
+    default:
+      break;
+  }
+  std::string message = error.GetMsg();
+  for (const std::string_view place : {" found at position", " found at expression position",
+                                       " at expression position", " at position"}) {
+    message.erase(std::min(message.find(place), message.size()));
+  }
+  while (!message.empty() &&
+         std::string_view(".!\n ").find(message.back()) != std::string_view::npos) {
+    message.pop_back();
+  }
+  if (!message.empty() && message[0] >= 'A' && message[0] <= 'Z') {
+    message[0] = static_cast<char>(message[0] - 'A' + 'a');
+  }
+  return fmt::format("{} at character {}", message, position + 1);
+}
+
+class MuParserFormula final : public Formula {
+ public:
+  MuParserFormula(const std::string& text, const std::map<std::string, double>& constants) {
+    for (const FormulaVariable& variable : kFormulaVariables) {
+      parser_.DefineVar(std::string(variable.name), &(variables_.*variable.value));
+    }
+    for (const auto& [name, value] : constants) {
+      if (parser_.GetFunDef().contains(name) || parser_.GetConst().contains(name)) {
+        throw InputError(
+            fmt::format("the constant {} has the name of a function or constant of every formula",
+                        detail::in_quotes(name)));
+      }
+      parser_.DefineConst(name, value);
+    }
+    parser_.SetExpr(text);
+    try {
+      (void)parser_.Eval();  // compiles
+    } catch (const mu::ParserError& error) {
+      throw InputError(explained(parser_, text, error));
+    }
+    if (parser_.GetNumResults() != 1) {
+      throw InputError(
+          "the formula has several results; a comma separates the arguments of a function");
+    }
+  }
+
+  [[nodiscard]] double value(const FormulaVariables& variables) override {
+    variables_ = variables;
+    return parser_.Eval();
+  }
+
+ private:
+  FormulaVariables variables_;  // the parser holds pointers into it
+  mu::Parser parser_;
+};
+
+}  // namespace
+
+std::unique_ptr<Formula> compile_formula(const std::string& text,
+                                         const std::map<std::string, double>& constants) {
+  if (text.size() > kLongestFormula) {
+    throw InputError(
+        fmt::format("the formula has {} bytes; at most {} are read", text.size(), kLongestFormula));
+  }
+  refuse_assignments(text);
+  return std::make_unique<MuParserFormula>(text, constants);
+}
+
+}  // namespace orasp

@@ -1,0 +1,236 @@
+#include "orasp/io/plan_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "orasp/io/detail/json_document.h"
+#include "orasp/io/detail/json_text.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/model/detail/wording.h"
+#include "orasp/model/validate.h"
+
+namespace orasp {
+namespace {
+
+using detail::in_quotes;
+using detail::inline_text;
+using detail::JsonDocument;
+using detail::JsonKind;
+using detail::JsonValue;
+using detail::number_or_null;
+using nlohmann::ordered_json;
+
+constexpr std::string_view kFormat = "orasp-plan/1";
+
+/// The ids in quotes, ready to be written: a long plan names each part in thousands of steps.
+template <class Items>
+std::vector<std::string> quoted_ids(const Items& items) {
+  std::vector<std::string> ids;
+  ids.reserve(items.size());
+  for (const auto& item : items) ids.push_back(inline_text(item.id));
+  return ids;
+}
+
+template <class Indices>
+std::string id_list(const Indices& indices, const std::vector<std::string>& ids) {
+  std::string text = "[";
+  for (const auto index : indices) {
+    if (text.size() > 1) text += ", ";
+    text += ids[index];
+  }
+  return text + "]";
+}
+
+std::string steps_text(const std::vector<Step>& steps, const std::vector<std::string>& part_ids,
+                       const std::vector<std::string>& connection_ids) {
+  if (steps.empty()) return "[]";
+  std::string text = "[";
+  double total = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Step& step = steps[i];
+    total += step.reward;
+    text += i == 0 ? "\n" : ",\n";
+    text += fmt::format(
+        R"(    {{"step": {}, "connection": {}, "reward": {}, "total": {}, "separates": {}, "pieces": )",
+        i + 1, connection_ids[step.connection], inline_text(number_or_null(step.reward)),
+        inline_text(number_or_null(total)), step.separates);
+    if (step.separates) {
+      text += "[" + id_list(step.a, part_ids) + ", " + id_list(step.b, part_ids) +
+              R"(], "moved": )" + id_list(step.moved(), part_ids);
+    } else {
+      text += R"([], "moved": [])";
+    }
+    text += "}";
+  }
+  return text + "\n  ]";
+}
+
+std::string statistics_text(const Statistics& statistics) {
+  return inline_text({{"states", statistics.states},
+                      {"actions", statistics.actions},
+                      {"expanded", statistics.expanded},
+                      {"generated", statistics.generated},
+                      {"reopened", statistics.reopened},
+                      {"pruned", statistics.pruned},
+                      {"sweeps", statistics.sweeps},
+                      {"seconds", number_or_null(statistics.seconds)},
+                      {"peak_bytes", statistics.peak_bytes}});
+}
+
+std::string options_text(const std::map<std::string, std::string>& options) {
+  std::string text = "{";
+  for (const auto& [name, value] : options) {
+    if (text.size() > 1) text += ", ";
+    text += inline_text(name) + ": " + value;
+  }
+  return text + "}";
+}
+
+std::vector<std::string> read_sequence(JsonValue list, std::string_view place) {
+  if (!list.is(JsonKind::Array)) {
+    throw InputError(
+        detail::at(place, "expected an array of connection ids, found " + list.description()));
+  }
+  std::vector<std::string> ids;
+  list.for_each([&](JsonValue id) {
+    if (!id.is(JsonKind::String)) {
+      throw InputError(fmt::format("{}[{}]: expected a connection id, which is a string, found {}",
+                                   place, ids.size(), id.description()));
+    }
+    ids.emplace_back(id.string());
+  });
+  return ids;
+}
+
+PlanFile read_plan_object(JsonValue root, Direction direction) {
+  const bool is_assembly = direction == Direction::Assembly;
+  const std::string_view wanted_key = is_assembly ? "assembly" : "disassembly";
+  const std::string_view other_key = is_assembly ? "disassembly" : "assembly";
+  std::optional<JsonValue> format;
+  std::optional<JsonValue> digest;
+  std::optional<JsonValue> wanted;
+  std::optional<JsonValue> other;
+  root.for_each([&](JsonValue member) {
+    if (member.key() == "format") format = member;
+    if (member.key() == "problem_digest") digest = member;
+    if (member.key() == wanted_key) wanted = member;
+    if (member.key() == other_key) other = member;
+  });
+  if (!format) throw InputError("the key \"format\" is missing");
+  if (!format->is(JsonKind::String))
+    throw InputError("format: expected a string, found " + format->description());
+  if (format->string() != kFormat) {
+    throw InputError(fmt::format("format: {} is not the format of a plan; that is \"{}\"",
+                                 in_quotes(format->string()), kFormat));
+  }
+  if (!wanted && !other)
+    throw InputError("the key \"disassembly\" or \"assembly\" is missing, one of them is needed");
+
+  PlanFile plan;
+  if (digest) {
+    if (!digest->is(JsonKind::String)) {
+      throw InputError("problem_digest: expected a string, found " + digest->description());
+    }
+    plan.problem_digest = digest->string();
+  }
+  std::optional<std::vector<std::string>> reversed;
+  if (other) {
+    reversed = read_sequence(*other, other_key);
+    std::ranges::reverse(*reversed);
+  }
+  plan.sequence = wanted ? read_sequence(*wanted, wanted_key) : *reversed;
+  if (reversed && plan.sequence != *reversed) {
+    throw InputError("assembly: it is not the reverse of \"disassembly\"");
+  }
+  return plan;
+}
+
+/// One id a line.
+std::vector<std::string> read_lines(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  if (const auto byte = detail::ill_formed_utf8(text)) {
+    const auto line = std::ranges::count(text.substr(0, *byte), '\n') + 1;
+    throw InputError(fmt::format("line {}: the byte 0x{:02x} is not valid UTF-8", line,
+                                 static_cast<unsigned char>(text[*byte])));
+  }
+  std::vector<std::string> ids;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
+    line = line.substr(0, line.find_last_not_of(kBlank) + 1);
+    if (!line.empty() && line.front() != '#') ids.emplace_back(line);
+  }
+  return ids;
+}
+
+}  // namespace
+
+std::string plan_text(const Problem& problem, const Result& result,
+                      const std::map<std::string, std::string>& options) {
+  const std::vector<std::string> part_ids = quoted_ids(problem.parts());
+  const std::vector<std::string> connection_ids = quoted_ids(problem.connections());
+  Evaluation evaluation;
+  if (result.has_plan())
+    evaluation = evaluate(problem, std::span<const ConnectionIndex>(result.sequence));
+
+  // A bound and a reward are sums of the same numbers in another order: what rounding did to them
+  // is not a gap.
+  const double reward =
+      result.has_plan() ? evaluation.reward : -std::numeric_limits<double>::infinity();
+  std::optional<double> bound = result.bound;
+  if (result.status == Status::Optimal) bound = reward;
+  if (bound) bound = std::max(*bound, reward);
+  const bool has_gap = bound && result.has_plan();
+
+  const auto& sequence = result.sequence;
+  const std::string forward = id_list(sequence, connection_ids);
+  const std::string backward =
+      id_list(std::vector(sequence.rbegin(), sequence.rend()), connection_ids);
+  const bool is_assembly = problem.direction() == Direction::Assembly;
+
+  std::string text = "{\n  \"format\": " + inline_text(kFormat);
+  const auto put = [&text](std::string_view key, std::string_view value) {
+    text.append(",\n  \"").append(key).append("\": ").append(value);
+  };
+  put("problem", inline_text(problem.name()));
+  put("problem_digest", inline_text(problem_digest(problem)));
+  put("method", inline_text(result.method));
+  put("status", inline_text(status_name(result.status)));
+  if (result.stop != Stop::None) put("stopped", inline_text(stop_name(result.stop)));
+  put("reward", inline_text(number_or_null(reward)));
+  put("bound", inline_text(bound ? number_or_null(*bound) : nullptr));
+  put("gap", inline_text(has_gap ? number_or_null(*bound - reward) : nullptr));
+  put("disassembly", is_assembly ? backward : forward);
+  put("assembly", is_assembly ? forward : backward);
+  put("steps", steps_text(evaluation.steps, part_ids, connection_ids));
+  put("statistics", statistics_text(result.statistics));
+  put("seed", std::to_string(result.seed));
+  put("options", options_text(options));
+  if (!result.notes.empty()) put("notes", inline_text(result.notes));
+  return text + "\n}\n";
+}
+
+PlanFile parse_plan(std::string_view text, Direction direction) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) throw InputError("the file is empty");
+  if (text[first] != '{' && text[first] != '[')
+    return {.sequence = read_lines(text), .problem_digest = ""};
+  const JsonDocument document = JsonDocument::parse(text);
+  const JsonValue root = document.root();
+  if (root.is(JsonKind::Array)) return {.sequence = read_sequence(root, ""), .problem_digest = ""};
+  return read_plan_object(root, direction);
+}
+
+}  // namespace orasp

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orasp/model/problem.h"
+#include "orasp/planners/result.h"
+
+namespace orasp {
+
+/// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the sequence by
+/// evaluate() of the model, not taken from the planner. `options` are the caller's settings that shaped the result,
+/// name to value, already JSON texts. Ends with a newline.
+[[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
+                                    const std::map<std::string, std::string>& options);
+
+/// A plan as read: the ids in the order of the problem's direction.
+struct PlanFile {
+  std::vector<std::string> sequence;
+  std::string problem_digest;  ///< empty where the file is a bare list
+};
+
+/// Reads a plan file, a JSON array of connection ids, or plain text with one id a line (empty lines and lines that
+/// begin with '#' are skipped). `direction` picks the list: "disassembly" or "assembly". A bare list is in the order
+/// of the problem's direction. @throws InputError.
+[[nodiscard]] PlanFile parse_plan(std::string_view text, Direction direction);
+
+}  // namespace orasp

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "orasp/model/connection_set.h"
+#include "orasp/model/problem.h"
+
+namespace orasp::detail {
+
+/// Parts in no particular order, as at most two runs: one side of a separation.
+struct Side {
+  std::array<std::span<const PartIndex>, 2> runs;
+
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (const auto& run : runs) {
+      for (const PartIndex part : run) visit(part);
+    }
+  }
+  [[nodiscard]] std::size_t parts() const { return runs[0].size() + runs[1].size(); }
+};
+
+/// The assembly graph, arranged for walking. Immutable. Connections of a part to itself are left out: they hold
+/// nothing together.
+class AssemblyGraph {
+ public:
+  struct HalfEdge {
+    PartIndex other;
+    ConnectionIndex connection;
+  };
+  /// An edge of the rooted spanning forest. Every part has a slot: that of the connection above it, or, for a root, one
+  /// of those from num_connections() on.
+  struct ForestEdge {
+    ConnectionIndex connection;  ///< also the slot of `child`
+    std::uint32_t parent_slot;
+    PartIndex child;
+  };
+
+  explicit AssemblyGraph(const Problem& problem);
+
+  [[nodiscard]] std::size_t num_parts() const { return begin_.size() - 1; }
+  [[nodiscard]] std::size_t num_connections() const { return ends_.size(); }
+  [[nodiscard]] const std::array<PartIndex, 2>& ends(ConnectionIndex c) const { return ends_[c]; }
+  [[nodiscard]] std::span<const HalfEdge> around(PartIndex part) const {
+    return {half_edges_.data() + begin_[part], half_edges_.data() + begin_[part + 1]};
+  }
+  /// Connections at a part as one word; only where the problem has at most 64 connections.
+  [[nodiscard]] std::uint64_t incident(PartIndex part) const { return incident_[part]; }
+  /// Parts of the starting piece that holds `part`.
+  [[nodiscard]] std::size_t starting_piece(PartIndex part) const { return starting_piece_[part]; }
+  /// Whether there is no cycle (parallel connections are one).
+  [[nodiscard]] bool is_forest() const { return is_forest_; }
+  /// Edges of the spanning forest (all edges, if it is one), each after those above it.
+  [[nodiscard]] std::span<const ForestEdge> forest() const { return forest_; }
+  /// Connections of a part to itself.
+  [[nodiscard]] std::span<const ConnectionIndex> loops() const { return loops_; }
+  /// num_connections() and one for each root.
+  [[nodiscard]] std::size_t num_slots() const { return num_slots_; }
+
+ private:
+  std::vector<std::array<PartIndex, 2>> ends_;
+  std::vector<std::uint32_t> begin_;
+  std::vector<HalfEdge> half_edges_;
+  std::vector<std::uint64_t> incident_;
+  std::vector<std::uint32_t> starting_piece_;
+  bool is_forest_ = true;
+  std::vector<ForestEdge> forest_;
+  std::vector<ConnectionIndex> loops_;
+  std::size_t num_slots_ = 0;
+};
+
+/// Finds for a set of present connections, all at once, which of them separate and how many parts are on either side.
+///
+/// Idea.       In an assembly without cycles every connection separates: subtree sizes of one fixed rooted forest,
+///             without a branch. Otherwise Tarjan's bridges by depth-first search; preorder makes each side of each
+///             bridge at most two runs of parts.
+/// Reference.  Tarjan (1974), Inf. Proc. Letters 2(6), 160-161.
+/// Cost.       O(parts + connections) an analysis. Holds scratch memory: one for each thread.
+class Connectivity {
+ public:
+  /// `lists`: whether sides will be asked for, not only their sizes.
+  Connectivity(const AssemblyGraph& graph, bool lists);
+
+  /// `isolated`: also walk parts without a present connection (needed for side_of on them).
+  void analyse(SetView present, bool isolated);
+
+  /// Parts on one side of a present connection, the side of `lower_end`; 0 if it does not separate.
+  [[nodiscard]] std::uint32_t below(ConnectionIndex c) const { return below_[c]; }
+  /// Parts of the piece that holds a present, separating connection.
+  [[nodiscard]] std::uint32_t piece(ConnectionIndex c) const { return piece_[c]; }
+  [[nodiscard]] PartIndex lower_end(ConnectionIndex c) const { return lower_end_[c]; }
+  /// Pieces with two or more parts.
+  [[nodiscard]] std::size_t subassemblies() const { return subassemblies_; }
+
+  // With lists only.
+  [[nodiscard]] Side lower_side(ConnectionIndex c) const;
+  [[nodiscard]] Side upper_side(ConnectionIndex c) const;
+  /// The piece of a part, and whether two parts are in one.
+  [[nodiscard]] Side piece_of(PartIndex part) const;
+  [[nodiscard]] bool same_piece(PartIndex a, PartIndex b) const { return root_[a] == root_[b]; }
+
+ private:
+  void analyse_forest(SetView present);
+  template <bool kOneWord>
+  void search_from(PartIndex start, SetView present);
+
+  const AssemblyGraph& graph_;
+  bool one_word_;
+  bool lists_;
+  std::size_t subassemblies_ = 0;
+  std::vector<std::uint32_t> below_;  ///< by connection; forest: by slot, parts at and below
+  std::vector<std::uint32_t> piece_;  ///< by connection; forest: by slot, parts of the slot's piece
+  std::vector<PartIndex> lower_end_;  ///< by connection
+
+  std::vector<PartIndex> order_;  ///< parts in preorder; each piece and each subtree is one run
+  std::vector<std::uint32_t> position_;     ///< of each part in `order_`, kUnmet before
+  std::vector<std::uint32_t> subtree_end_;  ///< end of each part's run in `order_`
+  std::vector<std::uint32_t> low_;          ///< lowest position that the subtree reaches
+  std::vector<PartIndex> root_;
+  std::vector<PartIndex> parent_;
+  std::vector<ConnectionIndex> parent_connection_;
+  std::vector<ConnectionIndex> separating_;  ///< of the piece being walked
+  std::vector<std::uint64_t> pending_;       ///< one word: connections of a part not yet followed
+  std::vector<std::uint32_t> cursor_;        ///< wide: next half-edge of a part
+  std::uint32_t visited_ = 0;
+};
+
+}  // namespace orasp::detail

@@ -1,0 +1,346 @@
+#include "orasp/model/problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "orasp/model/detail/wording.h"
+
+namespace orasp {
+namespace {
+
+using detail::in_quotes;
+using detail::number_text;
+
+[[noreturn]] void fail(const std::string& place, const std::string& message) {
+  throw InputError(detail::at(place, message));
+}
+
+std::string element(const std::string& list, std::size_t index) {
+  return list + "[" + std::to_string(index) + "]";
+}
+
+void require_count(std::size_t count, std::size_t most, const std::string& things) {
+  if (count > most)
+    fail(things,
+         "more than " + std::to_string(most) + " " + things + ", the most a problem may have");
+}
+
+void require_utf8(const std::string& text, const std::string& place) {
+  if (detail::ill_formed_utf8(text)) fail(place, in_quotes(text) + " is not valid UTF-8");
+}
+
+/// Ids stand in plans, one a line too: they must be readable there and come back unchanged.
+void require_id(const std::string& id, const std::string& place) {
+  if (id.empty()) fail(place, "an id must not be empty");
+  require_utf8(id, place);
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  if (std::ranges::any_of(id, control))
+    fail(place, in_quotes(id) + " is not an id; ids hold no control characters");
+  if (id.front() == ' ' || id.back() == ' ') {
+    fail(place, in_quotes(id) + " is not an id; ids do not begin or end with a space");
+  }
+}
+
+void require_finite(double number, const std::string& place) {
+  if (!std::isfinite(number)) fail(place, number_text(number) + " is not a finite number");
+}
+
+void require_not_negative(double number, const std::string& place) {
+  require_finite(number, place);
+  if (number < 0) fail(place, number_text(number) + " is not allowed; it must be 0 or more");
+}
+
+/// "parts are "1" to "9"": all of them if there are at most three, else the first and the last.
+template <class Items>
+std::string available(const Items& items, const std::string& thing) {
+  if (items.empty()) return "there are no " + thing + "s";
+  if (items.size() == 1) return "the only " + thing + " is " + in_quotes(items[0].id);
+  const std::string are = thing + "s are ";
+  if (items.size() == 2) return are + in_quotes(items[0].id) + " and " + in_quotes(items[1].id);
+  if (items.size() == 3) {
+    return are + in_quotes(items[0].id) + ", " + in_quotes(items[1].id) + " and " +
+           in_quotes(items[2].id);
+  }
+  return are + in_quotes(items.front().id) + " to " + in_quotes(items.back().id);
+}
+
+std::optional<std::size_t> direction_index(const std::string& name) {
+  const auto found = std::ranges::find(kDirectionNames, std::string_view(name));
+  if (found == kDirectionNames.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kDirectionNames.begin());
+}
+
+constexpr DirectionMask bit(std::size_t direction) {
+  return static_cast<DirectionMask>(1U << direction);
+}
+
+DirectionMask opposites(DirectionMask directions) {
+  constexpr unsigned kPlus = 0b010101;
+  const unsigned mask = directions;
+  return static_cast<DirectionMask>((mask & kPlus) << 1U | (mask >> 1U & kPlus));
+}
+
+std::string no_direction(const std::string& name) {
+  return in_quotes(name) + " is not a direction; directions are +x, -x, +y, -y, +z and -z";
+}
+
+std::string direction_list(DirectionMask directions) {
+  std::string text;
+  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
+    if ((directions & bit(d)) == 0) continue;
+    if (!text.empty()) text += ", ";
+    text += kDirectionNames[d];
+  }
+  return text;
+}
+
+template <class Index>
+void sort_and_merge(std::vector<Index>& indices) {
+  std::ranges::sort(indices);
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+}
+
+}  // namespace
+
+Problem::Problem(ProblemSpec spec) : spec_(std::move(spec)) {
+  require_utf8(spec_.name, "name");
+  require_utf8(spec_.note, "note");
+  require_utf8(spec_.source, "source");
+  index_parts();
+  index_connections();
+  index_precedence();
+  index_blocking();
+  check_limits();
+  check_objective(spec_.objective, "objective");
+  check_positions(spec_.objective, "objective");
+  check_fleet();
+  if (spec_.fleet) {
+    warnings_.push_back(
+        "fleet: its " + std::to_string(spec_.fleet->robots) +
+        " robots are kept with the problem; the planners for one robot do not use them");
+  }
+}
+
+void Problem::index_parts() {
+  require_count(spec_.parts.size(), kMaxParts, "parts");
+  part_by_id_.reserve(spec_.parts.size());
+  for (std::size_t i = 0; i < spec_.parts.size(); ++i) {
+    const Part& part = spec_.parts[i];
+    const std::string place = element("parts", i);
+    require_id(part.id, place + ".id");
+    const auto [entry, is_new] = part_by_id_.emplace(part.id, static_cast<PartIndex>(i));
+    if (!is_new)
+      fail(place + ".id",
+           in_quotes(part.id) + " is the id of " + element("parts", entry->second) + " too");
+    require_utf8(part.name, place + ".name");
+    require_not_negative(part.mass, place + ".mass");
+    if (part.position) {
+      for (std::size_t axis = 0; axis < part.position->size(); ++axis) {
+        require_finite((*part.position)[axis], element(place + ".position", axis));
+      }
+    }
+  }
+}
+
+void Problem::index_connections() {
+  require_count(spec_.connections.size(), kMaxConnections, "connections");
+  connection_by_id_.reserve(spec_.connections.size());
+  ends_.reserve(spec_.connections.size());
+  for (std::size_t i = 0; i < spec_.connections.size(); ++i) {
+    Connection& connection = spec_.connections[i];
+    const std::string place = element("connections", i);
+    std::array<PartIndex, 2> ends{};
+    for (std::size_t end = 0; end < ends.size(); ++end) {
+      ends[end] = find_part(connection.parts[end], element(place + ".parts", end));
+    }
+    ends_.push_back(ends);
+
+    const bool has_default_id = connection.id.empty();
+    if (has_default_id) connection.id = connection.parts[0] + "-" + connection.parts[1];
+    require_id(connection.id, place + ".id");
+    const auto [entry, is_new] =
+        connection_by_id_.emplace(connection.id, static_cast<ConnectionIndex>(i));
+    if (!is_new) {
+      const std::string other = element("connections", entry->second);
+      if (has_default_id) {
+        fail(place, "its default id " + in_quotes(connection.id) + " is the id of " + other +
+                        " too; give it an \"id\"");
+      }
+      fail(place + ".id", in_quotes(connection.id) + " is the id of " + other + " too");
+    }
+    require_not_negative(connection.duration, place + ".duration");
+    if (!(connection.success > 0 && connection.success <= 1)) {
+      fail(place + ".success",
+           number_text(connection.success) +
+               " is not a probability of success; it must be above 0 and at most 1");
+    }
+    if (!connection.axis.empty() && !direction_index(connection.axis)) {
+      fail(place + ".axis", no_direction(connection.axis));
+    }
+    if (ends[0] == ends[1]) {
+      warnings_.push_back("connection " + in_quotes(connection.id) + " joins part " +
+                          in_quotes(connection.parts[0]) +
+                          " to itself; removing it separates nothing");
+    }
+  }
+}
+
+void Problem::index_precedence() {
+  precedence_.reserve(spec_.precedence.size());
+  for (std::size_t i = 0; i < spec_.precedence.size(); ++i) {
+    const Precedence& rule = spec_.precedence[i];
+    const std::string place = element("precedence", i);
+    const auto indices = [&](const std::vector<std::string>& ids, const std::string& list) {
+      std::vector<ConnectionIndex> found;
+      found.reserve(ids.size());
+      for (std::size_t k = 0; k < ids.size(); ++k)
+        found.push_back(find_connection(ids[k], element(list, k)));
+      sort_and_merge(found);
+      return found;
+    };
+    const ConnectionIndex connection = find_connection(rule.connection, place + ".connection");
+    precedence_.push_back({.entry = i,
+                           .connection = connection,
+                           .after = indices(rule.after, place + ".after"),
+                           .after_any = indices(rule.after_any, place + ".after_any")});
+  }
+}
+
+void Problem::index_blocking() {
+  blockers_.resize(spec_.parts.size());
+  if (!spec_.blocking) return;
+  const Blocking& blocking = *spec_.blocking;
+  if (blocking.directions.empty()) {
+    fail("blocking.directions",
+         "at least one pair of directions is needed, or no part could ever leave another");
+  }
+  for (std::size_t i = 0; i < blocking.directions.size(); ++i) {
+    const std::string& name = blocking.directions[i];
+    const auto direction = direction_index(name);
+    if (!direction) fail(element("blocking.directions", i), no_direction(name));
+    if ((directions_ & bit(*direction)) != 0)
+      fail(element("blocking.directions", i), in_quotes(name) + " is listed twice");
+    directions_ |= bit(*direction);
+  }
+  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
+    if ((directions_ & bit(d)) != 0 && (directions_ & bit(opposite(d))) == 0) {
+      fail("blocking.directions", in_quotes(kDirectionNames[d]) +
+                                      " is listed without its opposite " +
+                                      in_quotes(kDirectionNames[opposite(d)]));
+    }
+  }
+
+  for (std::size_t i = 0; i < blocking.blocked.size(); ++i) {
+    const Blocked& entry = blocking.blocked[i];
+    const auto place = [i] {
+      return element("blocking.blocked", i);
+    };  // only made for a message: lists are long
+    const auto part_index = [&](const std::string& id, const char* key) {
+      const auto found = part_by_id_.find(id);
+      return found != part_by_id_.end() ? found->second : find_part(id, place() + key);
+    };
+    const PartIndex part = part_index(entry.part, ".part");
+    const PartIndex by = part_index(entry.by, ".by");
+    if (part == by) fail(place(), "part " + in_quotes(entry.part) + " cannot be blocked by itself");
+    DirectionMask mask = 0;
+    for (std::size_t k = 0; k < entry.directions.size(); ++k) {
+      const std::string& name = entry.directions[k];
+      const auto direction = direction_index(name);
+      if (!direction) fail(element(place() + ".directions", k), no_direction(name));
+      if ((directions_ & bit(*direction)) == 0) {
+        fail(element(place() + ".directions", k), in_quotes(name) +
+                                                      " is not in blocking.directions, which are " +
+                                                      direction_list(directions_));
+      }
+      mask |= bit(*direction);
+    }
+    if (mask == 0) continue;
+    blockers_[part].push_back({by, mask});
+    blockers_[by].push_back({part, opposites(mask)});
+  }
+  for (std::vector<Blocker>& blockers : blockers_) {
+    std::ranges::sort(blockers, {}, &Blocker::by);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < blockers.size(); ++i) {
+      if (kept > 0 && blockers[kept - 1].by == blockers[i].by) {
+        blockers[kept - 1].directions |= blockers[i].directions;
+      } else {
+        blockers[kept++] = blockers[i];
+      }
+    }
+    blockers.resize(kept);
+    blockers.shrink_to_fit();
+  }
+}
+
+void Problem::check_limits() const {
+  if (spec_.limits.max_moved_mass)
+    require_not_negative(*spec_.limits.max_moved_mass, "limits.max_moved_mass");
+}
+
+void Problem::check_positions(const Objective& objective, const std::string& place) const {
+  if (objective.type == "travel") {
+    const auto without =
+        std::ranges::find_if(spec_.parts, [](const Part& part) { return !part.position; });
+    if (without != spec_.parts.end()) {
+      fail(place, "\"travel\" needs the position of every part, and part " +
+                      in_quotes(without->id) + " has none");
+    }
+  }
+  if (const auto* sum = std::get_if<WeightedSum>(&objective.parameters)) {
+    for (std::size_t i = 0; i < sum->terms.size(); ++i) {
+      check_positions(sum->terms[i].objective, element(place + ".terms", i));
+    }
+  }
+}
+
+void Problem::check_fleet() const {
+  if (!spec_.fleet) return;
+  const Fleet& fleet = *spec_.fleet;
+  if (fleet.robots < 1) fail("fleet.robots", "0 is not allowed; a fleet has at least 1 robot");
+  const auto check_point = [](const std::array<double, 2>& point, const std::string& place) {
+    for (std::size_t axis = 0; axis < point.size(); ++axis)
+      require_finite(point[axis], element(place, axis));
+  };
+  check_point(fleet.depot, "fleet.depot");
+  for (std::size_t i = 0; i < fleet.sites.size(); ++i)
+    check_point(fleet.sites[i], element("fleet.sites", i));
+}
+
+ConnectionIndex Problem::find_connection(const std::string& id, const std::string& place) const {
+  const auto found = connection_by_id_.find(id);
+  if (found == connection_by_id_.end()) {
+    fail(place,
+         "no connection " + in_quotes(id) + "; " + available(spec_.connections, "connection"));
+  }
+  return found->second;
+}
+
+PartIndex Problem::find_part(const std::string& id, const std::string& place) const {
+  const auto found = part_by_id_.find(id);
+  if (found == part_by_id_.end())
+    fail(place, "no part " + in_quotes(id) + "; " + available(spec_.parts, "part"));
+  return found->second;
+}
+
+Problem Problem::with_objective(Objective objective) const {
+  ProblemSpec changed = spec_;
+  changed.objective = std::move(objective);
+  return Problem(std::move(changed));
+}
+
+Problem Problem::with_direction(Direction direction) const {
+  ProblemSpec changed = spec_;
+  changed.direction = direction;
+  return Problem(std::move(changed));
+}
+
+Problem Problem::with_limits(Limits limits) const {
+  ProblemSpec changed = spec_;
+  changed.limits = limits;
+  return Problem(std::move(changed));
+}
+
+}  // namespace orasp

@@ -1,0 +1,165 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orasp/model/connection_set.h"
+#include "orasp/model/problem.h"
+
+namespace orasp {
+
+/// One legal action of a state: handling `connection`, and what that step earns.
+struct Action {
+  ConnectionIndex connection;
+  double reward;
+};
+
+/// Everything about one step. In disassembly the step removes `connection` and cuts a piece into A
+/// and B; in assembly it makes the connection and joins A and B. A holds the first part of the
+/// connection.
+struct Step {
+  ConnectionIndex connection = 0;
+  std::size_t before = 0;         ///< connections present before the step
+  std::size_t after = 0;          ///< connections present after the step
+  bool separates = false;         ///< its two parts are in different pieces without the connection
+  bool completes = false;         ///< it is the last step of all
+  bool a_moves = false;           ///< the moved piece is A; meaningful only if it separates
+  std::vector<PartIndex> a;       ///< parts of A, ascending; empty unless it separates
+  std::vector<PartIndex> b;       ///< parts of B, ascending; empty unless it separates
+  double moved_mass = 0;          ///< kg; 0 unless it separates
+  double kept_mass = 0;           ///< kg; 0 unless it separates
+  std::size_t subassemblies = 0;  ///< pieces with two or more parts after the step
+  double reward = 0;
+
+  [[nodiscard]] const std::vector<PartIndex>& moved() const { return a_moves ? a : b; }
+  [[nodiscard]] const std::vector<PartIndex>& kept() const { return a_moves ? b : a; }
+};
+
+enum class Constraint {
+  Precedence,        ///< a connection of `after` is still there
+  PrecedenceAny,     ///< all of `after_any` are still there
+  MaxSubassemblies,  ///< too many pieces with two or more parts
+  MaxMovedParts,
+  MaxMovedMass,
+  Blocking,  ///< no direction is free
+  NotOpen,   ///< the connection was handled before (or, in a bare list, is missing at the end)
+};
+
+/// The name a problem file uses: "precedence", "max_subassemblies", ...
+[[nodiscard]] std::string_view constraint_name(Constraint constraint);
+
+/// Why an action is not legal, in words and as data.
+struct Violation {
+  Constraint constraint = Constraint::NotOpen;
+  std::string
+      where;  ///< place in the problem file, e.g. "precedence[2]" or "limits.max_moved_parts"
+  std::string message;  ///< one sentence
+  /// Connections that stand in the way (precedence), ascending; empty for the other constraints.
+  std::vector<ConnectionIndex> blocking_connections;
+};
+
+/// Least and greatest reward of a step; infinite where nothing is known.
+struct RewardRange {
+  double least;
+  double greatest;
+};
+
+/// Masses and lengths are sums of decimal numbers in binary; two of them that differ by less than
+/// this, relatively, are the same number to a user (0.1 + 0.2 and 0.3).
+inline constexpr double kRelativeTolerance = 1e-9;
+
+/// The rules of the world: which actions are legal, where they lead, what they earn. They stand
+/// here and nowhere else; every planner, the environment and the checker use them.
+///
+/// A *state* is the set of open connections: those still to be handled. In disassembly these are
+/// the connections still present; in assembly those still missing. So in both directions the start
+/// is the full set, an action takes one connection out, the goal is the empty set, and every path
+/// has as many steps as there are connections: no planner needs to know the direction.
+///
+/// Immutable and shareable between threads. Keeps a reference to the problem, which must outlive
+/// it. For work, each thread makes its own Expander.
+class TransitionSystem {
+ public:
+  /// @throws InputError if an expression of the objective cannot be compiled.
+  explicit TransitionSystem(const Problem& problem);
+  ~TransitionSystem();
+  TransitionSystem(const TransitionSystem&) = delete;
+  TransitionSystem& operator=(const TransitionSystem&) = delete;
+
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+  [[nodiscard]] std::size_t num_connections() const { return problem_.num_connections(); }
+  /// 64-bit words of a state.
+  [[nodiscard]] std::size_t words() const { return words_for(num_connections()); }
+  [[nodiscard]] ConnectionSet start() const { return ConnectionSet::all(num_connections()); }
+
+  /// A reason, found without search, for which no plan exists: the start has more subassemblies
+  /// than allowed, or the precedence can never be met (then the message spells out a cycle). Empty
+  /// if there is none of these.
+  [[nodiscard]] std::optional<Violation> infeasibility() const;
+
+  /// What handling `connection` can earn in any state with at most `open` open connections;
+  /// `completes` says whether it is the last step. Admissible: no reachable step lies outside.
+  /// O(parts * terms of the objective).
+  [[nodiscard]] RewardRange reward_range(ConnectionIndex connection, std::size_t open,
+                                         bool completes) const;
+
+  /// Pieces with two or more parts among the connections of `present` (not `open`).
+  [[nodiscard]] std::size_t subassemblies(SetView present) const;
+
+ private:
+  friend class Expander;
+  struct Rules;
+  const Problem& problem_;
+  std::unique_ptr<const Rules> rules_;
+};
+
+/// Works out steps. Holds scratch memory, so each thread makes its own; cheap to make (O(parts +
+/// connections)).
+///
+///     const TransitionSystem system(problem);
+///     Expander expander(system);
+///     ConnectionSet state = system.start();
+///     while (!state.empty()) {
+///       const auto actions = expander.legal_actions(state.view());
+///       if (actions.empty()) break;                       // a dead end
+///       state.erase(actions.front().connection);
+///     }
+class Expander {
+ public:
+  explicit Expander(const TransitionSystem& system);
+  ~Expander();
+  Expander(Expander&&) noexcept;
+  Expander& operator=(Expander&&) = delete;
+
+  /// The legal actions of a state with their rewards, ascending by connection. The span is valid
+  /// until the next call. One pass over the assembly finds all separations at once: O(parts +
+  /// connections), plus the size of the moved piece for each separation where the objective,
+  /// blocking or a mass limit looks inside it. Reference. Bridges by depth-first search: Tarjan
+  /// (1974), Inf. Proc. Letters 2(6), 160-161.
+  /// @throws InputError if an expression or a callable yields a reward that is not finite.
+  [[nodiscard]] std::span<const Action> legal_actions(SetView open);
+
+  /// The step that handles `connection`, which must be open, whether it is legal or not. O(parts +
+  /// connections).
+  [[nodiscard]] Step step(SetView open, ConnectionIndex connection);
+
+  /// Whether handling `connection` is legal; false if it is not open. O(parts + connections).
+  [[nodiscard]] bool legal(SetView open, ConnectionIndex connection);
+
+  /// Why handling `connection` is not legal, all reasons; empty if it is legal. O(parts +
+  /// connections).
+  [[nodiscard]] std::vector<Violation> violations(SetView open, ConnectionIndex connection);
+
+ private:
+  struct Scratch;
+  const TransitionSystem& system_;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace orasp

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "orasp/model/problem.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+
+/// A violation and the step (from 1) at which it happens.
+struct StepViolation {
+  std::size_t step;
+  std::string connection;  ///< id as given, even if the problem has no such connection
+  Violation violation;
+};
+
+/// A plan replayed.
+struct Evaluation {
+  bool valid = false;
+  double reward = 0;        ///< sum over the steps that could be made
+  std::vector<Step> steps;  ///< in the order of the problem's direction
+  std::vector<StepViolation> violations;
+};
+
+/// Replays `sequence` (connection ids in the order of the problem's direction) and reports
+/// everything that is wrong with it: unknown ids, repeated connections, missing ones, every
+/// violated constraint. Shares nothing with the planners; each step is judged on its own by
+/// Expander::step and Expander::violations, which follow the definitions of the contract and not
+/// the one-pass analysis that planners use. O(steps * (parts + connections)).
+[[nodiscard]] Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence);
+[[nodiscard]] Evaluation evaluate(const Problem& problem,
+                                  std::span<const ConnectionIndex> sequence);
+
+}  // namespace orasp

@@ -1,0 +1,45 @@
+#pragma once
+
+/// orasp: the best order in which robots put a product together, with proof. A tour of the library:
+///
+///     #include "orasp/orasp.h"
+///
+///     // A problem: parts, connections, constraints, an objective. Built in, from a file, or by hand.
+///     orasp::Problem problem = orasp::load_scenario("hubble");
+///     problem = orasp::read_problem("shelf.json");
+///
+///     // A plan. Status says what was proved; "no plan" is a status, not an exception.
+///     const orasp::Result result = orasp::solve(problem, "value-iteration");
+///     if (result.status == orasp::Status::Optimal) use(result.reward, result.sequence);
+///
+///     // The same by hand: rules, the state-action graph H, a planner on it.
+///     const orasp::TransitionSystem system(problem);
+///     const orasp::StateGraph graph = orasp::StateGraph::build(system, {});
+///     orasp::bellman_ford(graph, {}, {}).values;       // best reward from the start to each state
+///
+///     // Step by step: what is legal, what it earns, and why not.
+///     orasp::Expander expander(system);
+///     orasp::ConnectionSet state = system.start();
+///     expander.legal_actions(state.view());
+///     expander.violations(state.view(), 3);            // every reason, in words and as data
+///
+///     // Your own objective: any function of the step.
+///     orasp::Callable mine;
+///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
+///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
+///
+/// Folders: model (problem, rules), planners (one algorithm a pair of files), io (JSON, Graphviz), catalogue (all
+/// planners by name). Errors: InputError, and nothing else is thrown on purpose. Units: kg, m, s.
+
+#include "orasp/catalogue.h"
+#include "orasp/io/plan_json.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/io/scenarios.h"
+#include "orasp/model/problem.h"
+#include "orasp/model/scenario_generators.h"
+#include "orasp/model/transition_system.h"
+#include "orasp/model/validate.h"
+#include "orasp/planners/automatic.h"
+#include "orasp/planners/bounds.h"
+#include "orasp/planners/graph_size.h"
+#include "orasp/planners/state_graph.h"

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/detail/state_table.h"
+
+namespace orasp::detail {
+
+/// Finds some plan, depth first, backtracking at dead ends: the frame of `greedy` and `random`.
+/// `arrange(std::span<Action>)` puts the legal actions of a state into the order in which they are
+/// tried. States from which everything failed are kept in a table, so none is tried twice; so it is
+/// complete.
+template <class Arrange>
+[[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
+                                      std::string_view method, Arrange&& arrange) {
+  constexpr std::uint64_t kPollEvery = 64;
+  const Stopwatch watch;
+  if (auto result = settled(system, method))
+    return *result;
+  Result result;
+  result.method = method;
+  Statistics& statistics = result.statistics;
+  Expander expander(system);
+  StateTable<0> failed(system.words());
+  ConnectionSet state = system.start();
+  const std::size_t goal_depth = system.num_connections();
+
+  std::vector<Action> actions;
+  std::vector<std::size_t>
+      frames;  ///< where each state's untried actions begin in `actions`, last to be tried first
+  std::vector<Action> taken;
+  result.stop = budget.expired();
+  while (result.stop == Stop::None && taken.size() < goal_depth) {
+    if (frames.size() == taken.size()) {  // a new state
+      const bool known_failure =
+          failed.size() > 0 && failed.find(state.view().data()) != StateTable<0>::kAbsent;
+      const std::size_t begin = actions.size();
+      if (!known_failure) {
+        const auto legal = expander.legal_actions(state.view());
+        actions.insert(actions.end(), legal.begin(), legal.end());
+        const auto mine = std::span(actions).subspan(begin);
+        arrange(mine);
+        std::ranges::reverse(mine);
+        ++statistics.expanded;
+      } else {
+        ++statistics.pruned;
+      }
+      frames.push_back(begin);
+      if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
+        result.stop =
+            budget.expired(failed.bytes() + actions.size() * sizeof(Action), statistics.expanded);
+      }
+    }
+    if (actions.size() == frames.back()) {  // everything failed here
+      failed.insert(state.view().data());
+      frames.pop_back();
+      if (frames.empty())
+        break;
+      state.insert(taken.back().connection);
+      taken.pop_back();
+      continue;
+    }
+    taken.push_back(actions.back());
+    actions.pop_back();
+    state.erase(taken.back().connection);
+    ++statistics.generated;
+  }
+
+  statistics.states = failed.size();
+  statistics.peak_bytes = failed.bytes() + actions.capacity() * sizeof(Action);
+  if (taken.size() == goal_depth) {
+    result.stop = Stop::None;
+    result.status = Status::Feasible;
+    result.reward = 0;
+    for (const Action& action : taken) {
+      result.sequence.push_back(action.connection);
+      result.reward += action.reward;
+    }
+  } else if (result.stop == Stop::None) {
+    result = exhausted(method, statistics);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp::detail

@@ -1,0 +1,57 @@
+#include "orasp/planners/detail/planner_support.h"
+
+#include <algorithm>
+
+#include "orasp/planners/greedy.h"
+
+namespace orasp::detail {
+
+std::optional<Result> settled(const TransitionSystem& system, std::string_view method) {
+  const auto reason = system.infeasibility();
+  if (!reason)
+    return std::nullopt;
+  Result result;
+  result.method = method;
+  result.status = Status::Infeasible;
+  result.notes.push_back("no plan exists: " + reason->message);
+  return result;
+}
+
+Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
+               const Statistics& statistics) {
+  Budget at_once;
+  at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_connections(), 2000);
+  Result result = greedy(system, at_once);
+  if (result.status == Status::Infeasible)
+    result.status = Status::Unknown;  // not this method's proof
+  result.method = method;
+  result.stop = stop;
+  result.statistics = statistics;
+  result.notes.clear();
+  if (result.has_plan())
+    result.notes.emplace_back(
+        "the plan is the greedy one: the method was stopped before it had its own");
+  return result;
+}
+
+Result exhausted(std::string_view method, const Statistics& statistics) {
+  Result result;
+  result.method = method;
+  result.status = Status::Infeasible;
+  result.statistics = statistics;
+  result.notes.push_back(
+      "no plan exists: every legal sequence ends in a state from which no step is legal");
+  return result;
+}
+
+Statistics statistics_of(const StateGraph& graph) {
+  Statistics statistics;
+  statistics.states = graph.num_states();
+  statistics.actions = graph.num_actions();
+  statistics.expanded = graph.num_states();
+  statistics.generated = graph.num_actions();
+  statistics.peak_bytes = graph.peak_bytes();
+  return statistics;
+}
+
+}  // namespace orasp::detail

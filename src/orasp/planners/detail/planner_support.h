@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "orasp/model/transition_system.h"
+#include "orasp/planners/budget.h"
+#include "orasp/planners/result.h"
+#include "orasp/planners/state_graph.h"
+
+namespace orasp::detail {
+
+/// The answer where none needs to be searched for: no plan exists by
+/// TransitionSystem::infeasibility().
+[[nodiscard]] std::optional<Result> settled(const TransitionSystem& system,
+                                            std::string_view method);
+
+/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, if one
+/// is found at once. `statistics` are those of the method.
+[[nodiscard]] Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
+                             const Statistics& statistics);
+
+/// "no plan exists: ..." for a method that looked at everything.
+[[nodiscard]] Result exhausted(std::string_view method, const Statistics& statistics);
+
+/// Counters of a method that holds H.
+[[nodiscard]] Statistics statistics_of(const StateGraph& graph);
+
+/// Builds H within the budget and runs `plan(graph)` on it, with the refusals and endings that all
+/// methods on H share.
+template <class Plan>
+[[nodiscard]] Result on_graph(const TransitionSystem& system, const Budget& budget,
+                              std::string_view method, Plan&& plan) {
+  const Stopwatch watch;
+  if (auto result = settled(system, method))
+    return *result;
+  require_graph_fits(system, budget, std::string(method));
+  const StateGraph graph = StateGraph::build(system, budget);
+  Result result = graph.stop() != Stop::None
+                      ? stopped(system, method, graph.stop(), statistics_of(graph))
+                      : plan(graph);
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp::detail

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "orasp/model/transition_system.h"
+#include "orasp/planners/budget.h"
+#include "orasp/planners/result.h"
+
+namespace orasp {
+
+/// The largest problem that `exhaustive` accepts: 12! = 479,001,600 sequences take about a minute.
+inline constexpr std::size_t kExhaustiveMaxConnections = 12;
+
+/// Tries every legal sequence: the tree H~, not the graph H. For checking other methods on small
+/// problems.
+///
+/// Guarantee.  Exact, by having looked at everything: no bound, no table, nothing to get wrong.
+/// Cost.       O(connections!) time, O(connections) memory.
+/// Limit.      kExhaustiveMaxConnections.
+/// Repeatable. Ties go to the lexicographically smallest sequence.
+/// @throws InputError above the limit.
+[[nodiscard]] Result exhaustive(const TransitionSystem& system, const Budget& budget);
+
+}  // namespace orasp

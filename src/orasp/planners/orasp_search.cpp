@@ -1,0 +1,199 @@
+#include "orasp/planners/orasp_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "orasp/planners/bounds.h"
+#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/detail/state_table.h"
+#include "orasp/planners/random_sequence.h"
+
+namespace orasp {
+
+namespace {
+
+/// The search proper; kWords as in StateTable.
+template <std::size_t kWords>
+class Search {
+ public:
+  Search(const TransitionSystem& system, const ConnectionBound& bound, const Budget& budget,
+         Result& result)
+      : expander_(system),
+        bound_(bound),
+        budget_(budget),
+        allowed_(allowed_bytes(budget)),
+        result_(result),
+        state_(system.start()),
+        num_open_(system.num_connections()),
+        met_(system.words()) {}
+
+  void run() {
+    rest_ = bound_(state_.view());
+    met(0);
+    enter();
+    while (!frames_.empty() && result_.stop == Stop::None) {
+      if (actions_.size() == frames_.back()) {
+        leave();
+        continue;
+      }
+      const Action action = actions_.back();
+      actions_.pop_back();
+      follow(action);
+    }
+    // What was not looked at could still earn this much.
+    double open = result_.reward;
+    while (!frames_.empty()) {
+      while (actions_.size() > frames_.back()) {
+        open = std::max(open,
+                        running_ + actions_.back().reward + rest_after(actions_.back().connection));
+        actions_.pop_back();
+      }
+      leave();
+    }
+    result_.bound = open;
+    result_.statistics.states = met_.size();
+    result_.statistics.peak_bytes = bytes();
+  }
+
+ private:
+  /// Upper bound on what is left after `connection` is handled in the present state.
+  [[nodiscard]] double rest_after(ConnectionIndex connection) const {
+    return num_open_ == 1 ? 0 : rest_ - bound_.greatest(connection);
+  }
+
+  /// Notes that the present state is reached with `running_`; false if it was met before with no
+  /// less.
+  bool met(double running) {
+    const auto [number, is_new] = met_.insert(state_.view().data());
+    if (is_new) {
+      best_.push_back(running);
+      return true;
+    }
+    // The same steps in another order add up to the same number but for rounding.
+    const double rounding =
+        1e-15 * static_cast<double>(state_.universe()) * std::max(1.0, std::abs(running));
+    if (running <= best_[number] + rounding) return false;
+    best_[number] = running;
+    ++result_.statistics.reopened;
+    return true;
+  }
+
+  void enter() {
+    const auto legal = expander_.legal_actions(state_.view());
+    frames_.push_back(actions_.size());
+    actions_.insert(actions_.end(), legal.begin(), legal.end());
+    // Best reward first, then lowest connection; they are taken from the back.
+    const auto mine = std::span(actions_).subspan(frames_.back());
+    std::ranges::reverse(mine);
+    std::ranges::stable_sort(mine, std::ranges::less{}, &Action::reward);
+    ++result_.statistics.expanded;
+    if (result_.statistics.expanded % 1024 == 0 || budget_.max_expansions < 1024) {
+      result_.stop = bytes() > allowed_ ? Stop::MemoryLimit
+                                        : budget_.expired(bytes(), result_.statistics.expanded);
+      budget_.report({.phase = "search",
+                      .done = result_.statistics.expanded,
+                      .states = met_.size(),
+                      .best = result_.reward});
+    }
+  }
+
+  void follow(const Action& action) {
+    const double running = running_ + action.reward;
+    const double rest = rest_after(action.connection);
+    ++result_.statistics.generated;
+    if (running + rest <= result_.reward + kRewardTolerance) {
+      ++result_.statistics.pruned;
+      return;
+    }
+    state_.erase(action.connection);
+    if (!met(running)) {
+      state_.insert(action.connection);
+      ++result_.statistics.pruned;
+      return;
+    }
+    taken_.push_back({action.connection, running_, rest_});
+    running_ = running;
+    rest_ = rest;
+    --num_open_;
+    if (num_open_ == 0) {
+      result_.reward = running;
+      result_.sequence.clear();
+      for (const Taken& step : taken_) result_.sequence.push_back(step.connection);
+      frames_.push_back(actions_.size());
+    } else {
+      enter();
+    }
+  }
+
+  void leave() {
+    frames_.pop_back();
+    if (taken_.empty()) return;
+    const Taken& step = taken_.back();
+    state_.insert(step.connection);
+    running_ = step.running_before;
+    rest_ = step.rest_before;
+    ++num_open_;
+    taken_.pop_back();
+  }
+
+  [[nodiscard]] std::uint64_t bytes() const {
+    return met_.bytes() + best_.bytes() + actions_.capacity() * sizeof(Action);
+  }
+
+  struct Taken {
+    ConnectionIndex connection;
+    double running_before;
+    double rest_before;
+  };
+
+  Expander expander_;
+  const ConnectionBound& bound_;
+  const Budget& budget_;
+  std::uint64_t allowed_;
+  Result& result_;
+  ConnectionSet state_;
+  std::size_t num_open_;
+  double running_ = 0;
+  double rest_ = 0;
+  std::vector<Taken> taken_;
+  std::vector<Action> actions_;      ///< untried, state by state, last to be tried first
+  std::vector<std::size_t> frames_;  ///< where each state's actions begin
+  detail::StateTable<kWords> met_;
+  detail::GrowingArray<double> best_;  ///< best running reward of each state met
+};
+
+}  // namespace
+
+Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
+                    const Budget& budget) {
+  const Stopwatch watch;
+  if (auto result = detail::settled(system, "orasp-search")) return *result;
+  const ConnectionBound bound(system);
+  if (!bound.known()) {
+    throw InputError(
+        "orasp-search needs a bound on what a step can earn, and none is known for the objective "
+        "'" +
+        system.problem().objective().type +
+        "'; use value-iteration, dijkstra, bellman-ford or exhaustive instead");
+  }
+  Result result = random_sequence(system, {.seed = options.seed}, budget);
+  result.method = "orasp-search";
+  if (result.status == Status::Feasible) {
+    if (system.words() == 1) {
+      Search<1>(system, bound, budget, result).run();
+    } else {
+      Search<0>(system, bound, budget, result).run();
+    }
+    if (result.stop == Stop::None) {
+      result.status = Status::Optimal;
+      result.bound = result.reward;
+    }
+  }
+  result.seed = options.seed;
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "orasp/model/transition_system.h"
+#include "orasp/planners/budget.h"
+#include "orasp/planners/result.h"
+
+namespace orasp {
+
+struct OraspSearchOptions {
+  std::uint64_t seed = 1;  ///< of the random sequence that is the first incumbent
+};
+
+/// Finds an optimal plan by the paper's ORASP Search: depth-first branch and bound that generates H
+/// as it goes.
+///
+/// Idea.       A random legal sequence is the first incumbent. The search expands recursively, best
+///             reward first; a branch is abandoned as soon as its running reward plus a proved
+///             upper bound on what is left cannot beat the incumbent, and so is a state met again
+///             no better than before. A better complete sequence becomes the incumbent.
+/// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
+///             bound is 0). Rewards above zero are handled by planners/bounds.h.
+/// Guarantee.  Exact: nothing is abandoned that could beat the incumbent by more than
+///             kRewardTolerance.
+/// Cost.       At worst every state once for each better path to it; one table entry (key, reward)
+///             a state met.
+/// Limit.      The table must fit in budget.max_bytes; stopped there it keeps the incumbent.
+/// Repeatable. Seeded; ties go to the lowest connection.
+/// @throws InputError where no bound on a step's reward is known (an `expression`, or a callable
+///         without a range): the sentence names the methods that need none.
+[[nodiscard]] Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
+                                  const Budget& budget);
+
+}  // namespace orasp

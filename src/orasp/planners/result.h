@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orasp/model/connection_set.h"
+
+namespace orasp {
+
+enum class Status {
+  Optimal,     ///< a plan, proved best
+  Feasible,    ///< a plan, no proof
+  Infeasible,  ///< proved that no plan exists
+  Unknown,     ///< stopped with neither
+};
+
+[[nodiscard]] constexpr std::string_view status_name(Status status) {
+  switch (status) {
+    case Status::Optimal:
+      return "optimal";
+    case Status::Feasible:
+      return "feasible";
+    case Status::Infeasible:
+      return "infeasible";
+    case Status::Unknown:
+      break;
+  }
+  return "unknown";
+}
+
+/// What ended a planner before it was done.
+enum class Stop { None, TimeLimit, MemoryLimit, ExpansionLimit, Cancelled };
+
+[[nodiscard]] constexpr std::string_view stop_name(Stop stop) {
+  switch (stop) {
+    case Stop::TimeLimit:
+      return "time limit";
+    case Stop::MemoryLimit:
+      return "memory limit";
+    case Stop::ExpansionLimit:
+      return "expansion limit";
+    case Stop::Cancelled:
+      return "interrupted";
+    case Stop::None:
+      break;
+  }
+  return "none";
+}
+
+/// Counted the same way by every planner.
+struct Statistics {
+  std::uint64_t states = 0;    ///< distinct states held at the end (0 for methods that hold none)
+  std::uint64_t actions = 0;   ///< actions of H held at the end (0 for methods that do not build H)
+  std::uint64_t expanded = 0;  ///< states whose legal actions were worked out, repeats counted
+  std::uint64_t generated = 0;  ///< legal actions followed to a successor
+  std::uint64_t reopened = 0;   ///< states met again by a better path
+  std::uint64_t pruned =
+      0;  ///< successors abandoned by a bound, or met again no better than before
+  std::uint64_t sweeps = 0;      ///< passes over all states (value iteration, Bellman-Ford)
+  double seconds = 0;            ///< wall time of the planner
+  std::uint64_t peak_bytes = 0;  ///< greatest size of the planner's own tables
+};
+
+/// What a planner answers. A value; the caller owns it.
+struct Result {
+  std::string method;
+  Status status = Status::Unknown;
+  Stop stop = Stop::None;
+  /// All connections in the order of the problem's direction; empty without a plan.
+  std::vector<ConnectionIndex> sequence;
+  double reward = -std::numeric_limits<double>::infinity();  ///< of the sequence
+  std::optional<double> bound;  ///< proved upper bound on any plan's reward
+  Statistics statistics;
+  std::uint64_t seed = 1;
+  /// What the user should know beyond the figures, a sentence each: why there is no plan, what else
+  /// the result holds.
+  std::vector<std::string> notes;
+  /// value-iteration: best reward still to come from each state of H; bellman-ford: best reward
+  /// from the start to each state of H (indexed by StateId, -infinity where there is none). Empty
+  /// for other planners.
+  std::vector<double> values;
+
+  [[nodiscard]] bool has_plan() const {
+    return status == Status::Optimal || status == Status::Feasible;
+  }
+};
+
+}  // namespace orasp

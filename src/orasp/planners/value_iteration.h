@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "orasp/planners/budget.h"
+#include "orasp/planners/result.h"
+#include "orasp/planners/state_graph.h"
+
+namespace orasp {
+
+struct ValueIterationOptions {
+  enum class Order {
+    Layers,    ///< last layer first, in place: one sweep finds the values, one confirms them
+    Textbook,  ///< the paper's: V_{k+1} from V_k, states in order of generation; one layer more is
+               ///< right each sweep
+  };
+  Order order = Order::Layers;
+  double initial_value = 0;  ///< V_0 of every state but the goal (0) and dead ends
+  double epsilon = 1e-9;     ///< stop when no value changed by this much or more
+  std::uint64_t max_sweeps = std::numeric_limits<std::uint64_t>::max();
+};
+
+/// Finds an optimal plan by graph-based value iteration.
+///
+/// Problem.    Maximise the sum of rewards from the start to the goal of H.
+/// Idea.       V(s) <- max over legal a of r(s, a) + V(s after a), until no value changes by
+///             epsilon; then roll out the greedy policy. States that cannot reach the goal have the
+///             value -infinity.
+/// Reference.  The paper, Algorithm 1 (graph-based value iteration); Bellman (1957).
+/// Guarantee.  Exact: H is acyclic, so in layer order one sweep is right whatever the initial
+///             values, and the textbook order needs at most connections + 1. Stopped by max_sweeps
+///             before that: Feasible, not Optimal.
+/// Cost.       O(actions) a sweep, parallel over the states of a layer (layer order) or of H
+///             (textbook order); 8 bytes a state (16 in textbook order) beside H.
+/// Limit.      H must fit in memory.
+/// Repeatable. Ties go to the lowest connection; any number of threads gives the same bytes.
+/// @throws InputError if H is estimated not to fit (require_graph_fits).
+[[nodiscard]] Result value_iteration(const TransitionSystem& system,
+                                     const ValueIterationOptions& options, const Budget& budget);
+/// The same on an H that is already there; Result::values holds V by StateId.
+[[nodiscard]] Result value_iteration(const StateGraph& graph, const ValueIterationOptions& options,
+                                     const Budget& budget);
+
+}  // namespace orasp

@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""Checks which folder includes which (docs/architecture.md): arrows point one way.
+
+    tools/check_layers.py              check the tree that this script lies in
+    tools/check_layers.py --self-test  show that each rule fails on a planted violation
+
+A "public header" is a header of src/orasp outside the folders named detail.
+"""
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+# Layer of src/orasp -> the layers it may include.
+LAYERS = {
+    "model": {"model"},
+    "planners": {"model", "planners"},
+    "learning": {"model", "planners", "learning"},
+    "io": {"model", "planners", "io"},
+    "catalogue": {"model", "planners", "learning", "io", "catalogue"},
+    "orasp": {"model", "planners", "learning", "io", "catalogue"},
+}
+# Folders that use the library -> may they include its detail folders?
+USERS = {"cli": False, "benchmarks": False, "examples": False, "tests": True}
+
+# First component of an included path -> the files that may include it. Nothing else is allowed.
+IO_INSIDE = r"src/orasp/io/(.*\.cpp|(.*/)?detail/.*)"
+THIRD_PARTY = {
+    "nlohmann": rf"{IO_INSIDE}|(cli|tests|benchmarks)/.*",
+    "fmt": rf"{IO_INSIDE}|src/orasp/catalogue\.cpp|(cli|tests|benchmarks)/.*",
+    "muParser.h": r"src/orasp/io/.*\.cpp",
+    "sha256.h": r"src/orasp/io/.*\.cpp|tests/.*",
+    "boost": r"src/orasp/planners/graph_size\.cpp|tests/.*",
+    "torch": r"src/orasp/learning/.*\.cpp",
+    "CLI": r"cli/main\.cpp",
+    "gtest": r"tests/.*",
+    "gmock": r"tests/.*",
+    "benchmark": r"benchmarks/.*",
+}
+# The operating system and the processor: anywhere but in the model and in public headers.
+PLATFORM = {"sys", "unistd.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h", "immintrin.h"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def layer_of(path):
+    """The layer of a path below src/orasp: its folder, or the file's name where there is none."""
+    return path.split("/")[0].split(".")[0]
+
+
+def fault(file, bracket, target):
+    """Why `file` (relative to the root) may not include `target`, or None."""
+    folder = file.split("/")[0]
+    in_library = file.startswith("src/orasp/")
+    layer = layer_of(file[len("src/orasp/"):]) if in_library else folder
+    public_header = in_library and file.endswith(".h") and "/detail/" not in file
+
+    if target.startswith("orasp/"):
+        if bracket == "<":
+            return 'write it as #include "orasp/..."'
+        if not in_library:
+            return None if USERS[folder] or "/detail/" not in target else f"{folder} may include public headers only"
+        wanted = layer_of(target[len("orasp/"):])
+        return None if wanted in LAYERS[layer] else f"{layer} may not include {wanted}"
+    if bracket == '"':
+        if in_library:
+            return 'inside the library every quoted include begins with "orasp/"'
+        own = "/" not in target or target.startswith(f"{folder}/")
+        return None if own else f"{folder} may include the library and its own files only"
+
+    first = target.split("/")[0]
+    if first in THIRD_PARTY:
+        return None if re.fullmatch(THIRD_PARTY[first], file) else f"{first} may not be included here"
+    if first in PLATFORM:
+        return f"{target} may not be included here" if layer == "model" or public_header else None
+    if re.fullmatch(r"[a-z0-9_]+", target):
+        return None  # a standard header
+    return f"{target} is neither a standard header nor in the table THIRD_PARTY of tools/check_layers.py"
+
+
+def check(root):
+    """All faults of the tree below `root`, as lines."""
+    faults = []
+    for top in ["src/orasp", *USERS]:
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix not in (".h", ".cpp"):
+                continue
+            file = path.relative_to(root).as_posix()
+            if file.startswith("src/orasp/") and layer_of(file[len("src/orasp/"):]) not in LAYERS:
+                faults.append(f"{file}: this folder is in no layer")
+                continue
+            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                match = INCLUDE.match(line)
+                why = match and fault(file, match[1], match[2])
+                if why:
+                    faults.append(f"{file}:{number}: {line.strip()}: {why}")
+    return faults
+
+
+ALLOWED = [
+    ("src/orasp/model/a.h", "<vector>"),
+    ("src/orasp/model/a.cpp", '"orasp/model/b.h"'),
+    ("src/orasp/planners/a.h", '"orasp/model/b.h"'),
+    ("src/orasp/planners/a.cpp", '"orasp/planners/detail/b.h"'),
+    ("src/orasp/planners/a.cpp", "<sys/resource.h>"),
+    ("src/orasp/planners/graph_size.cpp", "<boost/multiprecision/cpp_int.hpp>"),
+    ("src/orasp/io/a.cpp", "<nlohmann/json.hpp>"),
+    ("src/orasp/io/detail/a.h", "<nlohmann/json.hpp>"),
+    ("src/orasp/io/a.cpp", "<muParser.h>"),
+    ("src/orasp/io/a.cpp", '"orasp/planners/result.h"'),
+    ("src/orasp/learning/dqn.cpp", "<torch/torch.h>"),
+    ("src/orasp/learning/dqn.h", '"orasp/planners/result.h"'),
+    ("src/orasp/catalogue.cpp", '"orasp/learning/dqn.h"'),
+    ("src/orasp/orasp.h", '"orasp/catalogue.h"'),
+    ("cli/main.cpp", "<CLI/CLI.hpp>"),
+    ("cli/solve.cpp", '"cli/solve.h"'),
+    ("cli/solve.cpp", '"orasp/catalogue.h"'),
+    ("tests/a.cpp", '"orasp/planners/detail/b.h"'),
+    ("tests/a.cpp", "<gtest/gtest.h>"),
+]
+PLANTED = [
+    ("src/orasp/model/a.h", '"orasp/planners/b.h"'),
+    ("src/orasp/model/a.cpp", '"orasp/io/b.h"'),
+    ("src/orasp/model/a.cpp", "<fmt/format.h>"),
+    ("src/orasp/model/a.cpp", "<unistd.h>"),
+    ("src/orasp/planners/a.cpp", '"orasp/io/b.h"'),
+    ("src/orasp/planners/a.cpp", '"orasp/learning/b.h"'),
+    ("src/orasp/planners/a.cpp", '"orasp/catalogue.h"'),
+    ("src/orasp/planners/a.cpp", "<boost/multiprecision/cpp_int.hpp>"),
+    ("src/orasp/planners/graph_size.h", "<boost/multiprecision/cpp_int.hpp>"),
+    ("src/orasp/planners/a.h", "<sys/resource.h>"),
+    ("src/orasp/io/a.h", "<nlohmann/json.hpp>"),
+    ("src/orasp/io/a.h", "<nlohmann/json_fwd.hpp>"),
+    ("src/orasp/io/a.h", "<fmt/format.h>"),
+    ("src/orasp/io/a.h", "<muParser.h>"),
+    ("src/orasp/io/a.cpp", '"orasp/catalogue.h"'),
+    ("src/orasp/io/a.cpp", '"orasp/learning/b.h"'),
+    ("src/orasp/io/a.cpp", '"b.h"'),
+    ("src/orasp/io/a.cpp", "<orasp/model/b.h>"),
+    ("src/orasp/io/a.cpp", "<pugixml.hpp>"),
+    ("src/orasp/learning/a.cpp", '"orasp/io/b.h"'),
+    ("src/orasp/learning/dqn.h", "<torch/torch.h>"),
+    ("src/orasp/catalogue.cpp", "<torch/torch.h>"),
+    ("src/orasp/catalogue.h", "<fmt/format.h>"),
+    ("src/orasp/utils/a.h", "<vector>"),
+    ("cli/solve.cpp", "<CLI/CLI.hpp>"),
+    ("cli/solve.cpp", '"orasp/planners/detail/b.h"'),
+    ("cli/solve.cpp", '"tests/a.h"'),
+    ("benchmarks/a.cpp", '"orasp/planners/detail/b.h"'),
+    ("examples/consumer/main.cpp", '"orasp/planners/detail/b.h"'),
+    ("tests/a.cpp", "<CLI/CLI.hpp>"),
+]
+
+
+def self_test():
+    """The number of cases in which check() says the wrong thing."""
+    wrong = 0
+    for cases, expected in ((ALLOWED, 0), (PLANTED, 1)):
+        for file, include in cases:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / file
+                path.parent.mkdir(parents=True)
+                path.write_text(f"#pragma once\n#  include {include}  // planted\n", encoding="utf-8")
+                found = check(Path(folder))
+            if len(found) != expected:
+                wrong += 1
+                print(f"{file} with {include}: expected {expected} faults, found {found}")
+    print(f"{len(ALLOWED)} allowed and {len(PLANTED)} planted includes, {wrong} judged wrongly")
+    return wrong
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        return 1 if self_test() else 0
+    if sys.argv[1:]:
+        print(__doc__)
+        return 2
+    faults = check(Path(__file__).resolve().parent.parent)
+    print("\n".join(faults) if faults else "every include obeys the layers")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,65 @@
+# shellcheck shell=bash disable=SC2034,SC2154
+# Shared by ./run, ./test and .ci/run (sourced): packages, configuring, building. Needs `root`, the repository's folder.
+# Everything said here goes to standard error.
+
+run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev libmuparser-dev libboost-dev libmd-dev
+              graphviz)
+test_packages=("${run_packages[@]}" libgtest-dev libbenchmark-dev python3)
+
+die() {
+  printf 'orasp: %s\n' "$*" >&2
+  exit 40
+}
+
+# Runs a command: its output is shown as it comes on a terminal, and otherwise only if it fails.
+quietly() {
+  local log status=0
+  if [[ -t 2 ]]; then
+    "$@" </dev/null >&2 || return
+    return 0
+  fi
+  log=$(mktemp)
+  "$@" </dev/null >"$log" 2>&1 || status=$?
+  ((status == 0)) || cat "$log" >&2
+  rm -f "$log"
+  return "$status"
+}
+
+# Installs those of the named Debian packages that are missing.
+install_packages() {
+  local missing=() name installed sudo=()
+  if ! command -v dpkg-query >/dev/null; then
+    for name in g++ cmake ninja; do
+      command -v "$name" >/dev/null || die "this is not Debian: please install what docs/dependencies.md lists ($name is missing)"
+    done
+    return
+  fi
+  installed=" $(dpkg-query -W -f '${Package}/${db:Status-Status} ' "$@" 2>/dev/null || true)"
+  for name in "$@"; do
+    [[ $installed == *" $name/installed "* ]] || missing+=("$name")
+  done
+  ((${#missing[@]})) || return 0
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null ||
+      die "missing packages, and neither root nor sudo to install them: apt-get install ${missing[*]}"
+    sudo=(sudo)
+    [[ -t 0 ]] || sudo=(sudo -n)
+  fi
+  printf 'orasp: installing %s\n' "${missing[*]}" >&2
+  local apt=("${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Acquire::Retries=3 -o DPkg::Lock::Timeout=300)
+  quietly "${apt[@]}" update || printf 'orasp: apt-get update failed; trying with the package lists at hand\n' >&2
+  quietly "${apt[@]}" install --no-install-recommends "${missing[@]}" ||
+    die "could not install the packages: apt-get install ${missing[*]}"
+}
+
+# configured PRESET: does its build folder hold a configured build of this very tree (and not of one it was copied from)?
+configured() {
+  [[ -e $root/build/$1/build.ninja ]] &&
+    grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$root/build/$1/CMakeCache.txt"
+}
+
+# configure PRESET [CMAKE ARGUMENTS]
+configure() {
+  configured "$1" || rm -rf "${root:?}/build/$1"
+  (cd "$root" && cmake --preset "$@")
+}
