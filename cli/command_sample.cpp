@@ -1,0 +1,192 @@
+#include "cli/command_sample.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/exit_codes.h"
+#include "cli/json_output.h"
+#include "cli/progress.h"
+#include "cli/text.h"
+#include "orasp/model/scenario_generators.h"
+#include "orasp/planners/random_sequence.h"
+
+namespace orasp::cli {
+namespace {
+
+struct Sample {
+  std::vector<double> rewards;  ///< in the order in which they were drawn
+  std::vector<std::vector<ConnectionIndex>> sequences;
+  Result last;  ///< of the draw that ended the sample early, if one did
+};
+
+/// What is reported of the rewards; all 0 where there are none.
+struct Figures {
+  double mean = 0;
+  double deviation = 0;  ///< of the sample: n - 1 in the denominator; 0 for a single reward
+  double least = 0;
+  std::array<double, 3> quartiles{};
+  double greatest = 0;
+};
+
+/// The value below which the share `share` of the sorted numbers lies, linear between neighbours.
+/// Reference. Definition 7 of Hyndman and Fan (1996), The American Statistician 50(4), 361-365.
+double quantile(const std::vector<double>& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+Figures figures_of(std::vector<double> rewards) {
+  Figures figures;
+  if (rewards.empty()) return figures;
+  std::ranges::sort(rewards);
+  const auto n = static_cast<double>(rewards.size());
+  double above_least = 0;  // so that equal rewards have exactly their own mean
+  for (const double reward : rewards) above_least += reward - rewards.front();
+  figures.mean = rewards.front() + above_least / n;
+  double squares = 0;
+  for (const double reward : rewards) squares += (reward - figures.mean) * (reward - figures.mean);
+  figures.deviation = rewards.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  figures.least = rewards.front();
+  figures.quartiles = {quantile(rewards, 0.25), quantile(rewards, 0.5), quantile(rewards, 0.75)};
+  figures.greatest = rewards.back();
+  return figures;
+}
+
+/// Sequence i is drawn with the i-th number of SplitMix64(seed) as its seed, so that a longer
+/// sample begins with the shorter one.
+Sample draw(const TransitionSystem& system, const SampleOptions& options, const Budget& budget) {
+  Sample sample;
+  SplitMix64 seeds(options.seed);
+  for (std::uint64_t i = 0; i < options.count; ++i) {
+    Result result = random_sequence(system, {.seed = seeds.next()}, budget);
+    if (!result.has_plan()) {
+      sample.last = std::move(result);
+      break;
+    }
+    sample.rewards.push_back(result.reward);
+    if (options.sequences) sample.sequences.push_back(std::move(result.sequence));
+    if (i % 16 == 0) budget.report({.phase = "drawing", .done = i, .total = options.count});
+  }
+  return sample;
+}
+
+nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, const Figures& figures,
+                               const SampleOptions& options) {
+  const auto number = [&](double value) {
+    return sample.rewards.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+  };
+  nlohmann::ordered_json document = {
+      {"n", sample.rewards.size()},
+      {"seed", options.seed},
+      {"mean", number(figures.mean)},
+      {"deviation", number(figures.deviation)},
+      {"min", number(figures.least)},
+      {"quartiles",
+       {number(figures.quartiles[0]), number(figures.quartiles[1]), number(figures.quartiles[2])}},
+      {"max", number(figures.greatest)},
+      {"rewards", sample.rewards}};
+  if (options.sequences) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const auto& sequence : sample.sequences) {
+      nlohmann::ordered_json ids = nlohmann::ordered_json::array();
+      for (const ConnectionIndex c : sequence) ids.push_back(problem.connection_id(c));
+      list.push_back(std::move(ids));
+    }
+    document["sequences"] = std::move(list);
+  }
+  return document;
+}
+
+/// Bars of '#': how many rewards fall into each of equal ranges from the least to the greatest.
+std::string histogram(const std::vector<double>& rewards, const Figures& figures,
+                      std::size_t width) {
+  const double span = figures.greatest - figures.least;
+  if (!(span > 0)) return {};
+  const auto bars = std::clamp<std::size_t>(
+      static_cast<std::size_t>(std::ceil(std::log2(static_cast<double>(rewards.size())))) + 1, 5,
+      20);
+  std::vector<std::size_t> counts(bars);
+  for (const double reward : rewards) {
+    const auto bar =
+        static_cast<std::size_t>((reward - figures.least) / span * static_cast<double>(bars));
+    ++counts[std::min(bar, bars - 1)];
+  }
+  std::vector<double> starts;
+  for (std::size_t bar = 0; bar < bars; ++bar)
+    starts.push_back(figures.least + span * static_cast<double>(bar) / static_cast<double>(bars));
+  const std::vector<std::string> labels = aligned_numbers(starts);
+  std::size_t label_width = 0;
+  for (const std::string& label : labels) label_width = std::max(label_width, label.size());
+  const std::size_t most = *std::ranges::max_element(counts);
+  const std::size_t room = std::min<std::size_t>(width - label_width - 12, 60);
+  std::string text;
+  for (std::size_t bar = 0; bar < bars; ++bar) {
+    const std::string marks((counts[bar] * room + most - 1) / most, '#');
+    text += fmt::format("{:>{}}  {:>6}{}{}\n", labels[bar], label_width, grouped(counts[bar]),
+                        marks.empty() ? "" : "  ", marks);
+  }
+  return text;
+}
+
+std::string summary(const Problem& problem, const Sample& sample, const Figures& figures,
+                    const SampleOptions& options, const Context& context) {
+  std::string text = fmt::format("{}: {} of {}, seed {}\n", title(problem, options.problem),
+                                 grouped(sample.rewards.size()),
+                                 counted(options.count, "random sequence"), options.seed);
+  if (!sample.rewards.empty()) {
+    const std::vector<double> numbers = {
+        figures.mean,         figures.deviation,    figures.least,   figures.quartiles[0],
+        figures.quartiles[1], figures.quartiles[2], figures.greatest};
+    const std::vector<std::string> texts = aligned_numbers(numbers);
+    constexpr std::array<const char*, 7> kNames = {
+        "mean", "deviation", "minimum", "lower quartile", "median", "upper quartile", "maximum"};
+    std::size_t widest = 0;
+    for (const std::string& number : texts) widest = std::max(widest, number.size());
+    for (std::size_t i = 0; i < texts.size(); ++i)
+      text += fmt::format("{:<14}  {:>{}}\n", kNames[i], texts[i], widest);
+    const std::string bars = histogram(sample.rewards, figures, context.width());
+    if (!bars.empty()) text += fmt::format("\nrewards from\n{}", bars);
+  }
+  if (sample.last.status == Status::Infeasible)
+    text += "\ninfeasible (proved): no sequence handles every connection\n";
+  if (sample.last.stop != Stop::None) text += '\n' + stop_text(sample.last.stop) + '\n';
+  for (const std::string& note : sample.last.notes) text += printable(note) + '\n';
+  return text;
+}
+
+}  // namespace
+
+int run(const SampleOptions& options, const Context& context) {
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  const TransitionSystem system(problem);
+  Sample sample;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", sample");
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    if (const std::optional<Violation> reason = system.infeasibility()) {
+      sample.last.status = Status::Infeasible;
+      sample.last.notes = {reason->message};
+    } else {
+      sample = draw(system, options, budget);
+    }
+  }
+  const Figures figures = figures_of(sample.rewards);
+  if (options.json) {
+    for (const std::string& note : sample.last.notes) context.warn(printable(note));
+  }
+  print_result(context, options.output, options.json, as_json(problem, sample, figures, options),
+               [&] { return summary(problem, sample, figures, options, context); });
+  if (sample.rewards.size() == options.count) return kSolved;
+  return exit_code(sample.last);
+}
+
+}  // namespace orasp::cli

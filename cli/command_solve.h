@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cli/common.h"
+
+namespace orasp::cli {
+
+struct SolveOptions {
+  std::string problem;
+  std::string method = "auto";
+  std::uint64_t seed = 1;
+  std::string output;  ///< file for the plan; empty: none
+  bool json = false;
+  ProblemChanges changes;
+  LimitOptions limits;
+  // of value-iteration alone
+  std::optional<std::string> sweep_order;
+  std::optional<double> epsilon;
+  std::optional<std::uint64_t> max_sweeps;
+  std::optional<double> initial_value;
+};
+
+/// `orasp solve PROBLEM`: finds a plan and prints it. @returns the exit code. @throws InputError.
+[[nodiscard]] int run(const SolveOptions& options, const Context& context);
+
+}  // namespace orasp::cli

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/context.h"
+#include "orasp/catalogue.h"
+#include "orasp/model/problem.h"
+
+namespace orasp::cli {
+
+/// What the command line changes in a problem. Empty: as the file says.
+struct ProblemChanges {
+  std::optional<std::string> objective;  ///< a type, or a file that holds an objective
+  std::optional<std::string> direction;
+  std::optional<std::uint64_t> max_subassemblies;
+  std::optional<std::uint64_t> max_moved_parts;
+  std::optional<double> max_moved_mass;  ///< kg
+};
+
+/// What a run may spend.
+struct LimitOptions {
+  std::optional<double> time_limit;           ///< s; empty: none
+  std::optional<std::uint64_t> memory_limit;  ///< MiB; empty: default_memory_limit()
+  std::optional<std::uint64_t> threads;       ///< empty: all of the machine's
+};
+
+/// The whole of a file, or of standard input for "-". @throws InputError.
+[[nodiscard]] std::string read_text(const std::string& file);
+
+/// Loads PROBLEM: "-" is standard input; a name with a '/' or that ends in ".json" is a file;
+/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error.
+/// @throws InputError.
+[[nodiscard]] Problem load_problem(const std::string& name, const ProblemChanges& changes,
+                                   const Context& context);
+
+/// What to call a problem in a sentence: its name, else what the user typed.
+[[nodiscard]] std::string title(const Problem& problem, const std::string& typed);
+
+/// Three quarters of the memory that this process may use (the machine's, or its control group's),
+/// in bytes.
+[[nodiscard]] std::uint64_t default_memory_limit();
+
+/// A budget from the limits, which Ctrl-C stops. The time limit begins now.
+[[nodiscard]] Budget make_budget(const LimitOptions& limits);
+
+/// The planner called `name`. @throws InputError with a suggestion.
+[[nodiscard]] const Planner& planner_named(const std::string& name);
+
+/// The options that shaped a result, by name, as JSON texts: what plan_text writes under "options".
+using Settings = std::map<std::string, std::string>;
+void note_changes(const ProblemChanges& changes, Settings& settings);
+void note_limits(const LimitOptions& limits, Settings& settings);
+
+/// A JSON string, quotes and all.
+[[nodiscard]] std::string json_string(std::string_view text);
+
+/// "stopped by the time limit"; empty for Stop::None.
+[[nodiscard]] std::string stop_text(Stop stop);
+
+/// The exit code of a planner's result.
+[[nodiscard]] int exit_code(const Result& result);
+
+}  // namespace orasp::cli

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "cli/context.h"
+#include "orasp/model/problem.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp::cli {
+
+/// The steps of a plan, one a line: number, connection, the piece that moves where the step
+/// separates (joins) two, reward, running total. The moved piece's parts are capped to the
+/// terminal's width.
+[[nodiscard]] std::string step_table(const Problem& problem, std::span<const Step> steps,
+                                     const Context& context);
+
+}  // namespace orasp::cli

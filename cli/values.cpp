@@ -1,0 +1,47 @@
+#include "cli/values.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/text.h"
+#include "orasp/model/error.h"
+
+namespace orasp::cli {
+namespace {
+
+/// The number that the whole of `text` is, or nothing.
+template <class Number>
+std::optional<Number> parsed(std::string_view text) {
+  Number value{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
+
+std::uint64_t whole_number(std::string_view option, std::string_view text, std::uint64_t least,
+                           std::uint64_t greatest) {
+  const auto value = parsed<std::uint64_t>(text);
+  if (value && *value >= least && *value <= greatest) return *value;
+  throw InputError(fmt::format("{}: {} is not a whole number from {} to {}", option,
+                               in_quotes(text), least, greatest));
+}
+
+double number(std::string_view option, std::string_view text, Sign sign) {
+  const auto value = parsed<double>(text);
+  const bool finite = value && std::isfinite(*value);
+  const bool allowed =
+      finite && (sign == Sign::Any || (sign == Sign::NotNegative ? *value >= 0 : *value > 0));
+  if (allowed) return *value;
+  const char* const wanted = sign == Sign::Any           ? "a number"
+                             : sign == Sign::NotNegative ? "a number of 0 or more"
+                                                         : "a number above 0";
+  throw InputError(fmt::format("{}: {} is not {}", option, in_quotes(text), wanted));
+}
+
+}  // namespace orasp::cli
