@@ -1,0 +1,120 @@
+// Where the time goes: expanding states, building H, each planner on it. `threads` is the last argument of each name.
+//
+//   build/release/benchmarks/orasp_benchmarks --benchmark_filter=graph
+//
+// Google Benchmark prints the machine; the figures in docs/performance.md say the commit.
+
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "orasp/orasp.h"
+
+namespace {
+
+orasp::Budget budget_with(std::int64_t threads) {
+  orasp::Budget budget;
+  budget.threads = static_cast<unsigned>(threads);
+  return budget;
+}
+
+void expand(benchmark::State& state, const std::string& name) {
+  const orasp::Problem problem = orasp::load_scenario(name);
+  const orasp::TransitionSystem system(problem);
+  const orasp::StateGraph graph = orasp::StateGraph::build(system, {});
+  orasp::Expander expander(system);
+  for (auto _ : state) {
+    double sum = 0;
+    for (orasp::StateId s = 0; s < graph.num_states(); ++s) {
+      for (const orasp::Action& action : expander.legal_actions(graph.state(s)))
+        sum += action.reward;
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  state.counters["actions/s"] = benchmark::Counter(static_cast<double>(graph.num_actions()),
+                                                   benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void build_graph(benchmark::State& state, const std::string& name, const std::string& objective) {
+  const orasp::Problem problem =
+      orasp::load_scenario(name).with_objective(orasp::Objective::named(objective));
+  const orasp::TransitionSystem system(problem);
+  const orasp::Budget budget = budget_with(state.range(0));
+  double actions = 0;
+  double states = 0;
+  double bytes = 0;
+  for (auto _ : state) {
+    const orasp::StateGraph graph = orasp::StateGraph::build(system, budget);
+    actions = static_cast<double>(graph.num_actions());
+    states = static_cast<double>(graph.num_states());
+    bytes = static_cast<double>(graph.bytes());
+  }
+  state.counters["actions/s"] =
+      benchmark::Counter(actions, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["states"] = states;
+  state.counters["bytes"] = bytes;
+}
+
+void run_planner(benchmark::State& state, const std::string& name, const std::string& method) {
+  const orasp::Problem problem = orasp::load_scenario(name);
+  const orasp::Budget budget = budget_with(state.range(0));
+  double reward = 0;
+  for (auto _ : state) reward = orasp::solve(problem, method, {}, budget).reward;
+  state.counters["reward"] = reward;
+}
+
+void on_held_graph(benchmark::State& state, const std::string& name, const std::string& method) {
+  const orasp::Problem problem = orasp::load_scenario(name);
+  const orasp::TransitionSystem system(problem);
+  const orasp::Budget budget = budget_with(state.range(0));
+  const orasp::StateGraph graph = orasp::StateGraph::build(system, budget);
+  for (auto _ : state) {
+    const orasp::Result result = method == "dijkstra" ? orasp::dijkstra(graph, budget)
+                                 : method == "bellman-ford"
+                                     ? orasp::bellman_ford(graph, {}, budget)
+                                     : orasp::value_iteration(graph, {}, budget);
+    benchmark::DoNotOptimize(result.reward);
+  }
+}
+
+BENCHMARK_CAPTURE(expand, hubble_free, "hubble-free")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(expand, hubble_upc, "hubble-upc")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(expand, grid_3x5, "grid:3x5")->Unit(benchmark::kMillisecond);
+
+#define ORASP_GRAPH(label, scenario, objective)              \
+  BENCHMARK_CAPTURE(build_graph, label, scenario, objective) \
+      ->Arg(1)                                               \
+      ->Arg(2)                                               \
+      ->UseRealTime()                                        \
+      ->Unit(benchmark::kMillisecond)
+ORASP_GRAPH(hubble, "hubble", "cubesat");
+ORASP_GRAPH(hubble_free, "hubble-free", "cubesat");
+ORASP_GRAPH(hubble_free_fuel, "hubble-free", "fuel");
+ORASP_GRAPH(hubble_upc, "hubble-upc", "cubesat");
+ORASP_GRAPH(grid_3x5, "grid:3x5", "cubesat");
+
+#define ORASP_HELD(label, method)                                \
+  BENCHMARK_CAPTURE(on_held_graph, label, "hubble-free", method) \
+      ->Arg(1)                                                   \
+      ->Arg(2)                                                   \
+      ->UseRealTime()                                            \
+      ->Unit(benchmark::kMillisecond)
+ORASP_HELD(value_iteration, "value-iteration");
+ORASP_HELD(dijkstra, "dijkstra");
+ORASP_HELD(bellman_ford, "bellman-ford");
+
+#define ORASP_PLANNER(label, scenario, method)            \
+  BENCHMARK_CAPTURE(run_planner, label, scenario, method) \
+      ->Arg(1)                                            \
+      ->Arg(2)                                            \
+      ->UseRealTime()                                     \
+      ->Unit(benchmark::kMillisecond)
+ORASP_PLANNER(hubble_value_iteration, "hubble", "value-iteration");
+ORASP_PLANNER(hubble_dijkstra, "hubble", "dijkstra");
+ORASP_PLANNER(hubble_bellman_ford, "hubble", "bellman-ford");
+ORASP_PLANNER(hubble_orasp_search, "hubble", "orasp-search");
+ORASP_PLANNER(hubble_free_value_iteration, "hubble-free", "value-iteration");
+ORASP_PLANNER(hubble_free_orasp_search, "hubble-free", "orasp-search");
+ORASP_PLANNER(lattice_value_iteration, "lattice", "value-iteration");
+
+}  // namespace

@@ -1,0 +1,331 @@
+// Every planner against brute force on seeded random problems (tests/random_problems.h, tests/oracle.h). A failing seed
+// is named by SCOPED_TRACE; random_problem(seed) is that problem.
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "orasp/catalogue.h"
+#include "orasp/model/error.h"
+#include "orasp/planners/bounds.h"
+#include "orasp/planners/graph_size.h"
+#include "orasp/planners/state_graph.h"
+#include "tests/checks.h"
+#include "tests/oracle.h"
+#include "tests/random_problems.h"
+
+namespace orasp {
+namespace {
+
+constexpr int kBlocks = 12;
+constexpr std::uint64_t kSeedsInBlock = 60;
+constexpr std::uint64_t kSeeds = kBlocks * kSeedsInBlock;
+
+/// All seeds, a block a test.
+class Agreement : public testing::TestWithParam<int> {
+ protected:
+  void for_each_seed(const std::function<void(const ProblemSpec&, const oracle::OracleResult&)>& check) {
+    for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
+      const ProblemSpec spec = random_problem(static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i);
+      SCOPED_TRACE(spec.name);
+      check(spec, oracle::brute_force(spec));
+      if (HasFailure()) return;
+    }
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Agreement, testing::Range(0, kBlocks));
+
+void expect_graph(const Problem& problem, const oracle::OracleResult& truth, unsigned threads) {
+  SCOPED_TRACE("H with " + std::to_string(threads) + " threads");
+  const TransitionSystem system(problem);
+  Budget budget;
+  budget.threads = threads;
+  const StateGraph graph = StateGraph::build(system, budget);
+  EXPECT_EQ(graph.stop(), Stop::None);
+  EXPECT_EQ(graph.num_states(), truth.states);
+  EXPECT_EQ(graph.num_actions(), truth.actions);
+  ASSERT_EQ(graph.num_layers(), truth.layers.size());
+
+  const GraphSize size = graph_size(graph);
+  EXPECT_EQ(size.states, truth.states);
+  EXPECT_EQ(size.actions, truth.actions);
+  EXPECT_EQ(size.dead_ends, truth.dead_ends);
+  EXPECT_EQ(size.tree_nodes, std::to_string(truth.tree_nodes));
+  EXPECT_EQ(size.sequences, std::to_string(truth.sequences));
+  ASSERT_EQ(size.layers.size(), truth.layers.size());
+  for (std::size_t k = 0; k < size.layers.size(); ++k) {
+    EXPECT_EQ(size.layers[k].states, truth.layers[k].first);
+    EXPECT_EQ(size.layers[k].actions, truth.layers[k].second);
+  }
+
+  std::set<oracle::State> met;
+  for (StateId s = 0; s < graph.num_states(); ++s) {
+    const oracle::State state = oracle::state_of(graph.state(s), problem.num_connections());
+    EXPECT_TRUE(truth.best_to_go.contains(state));
+    EXPECT_TRUE(met.insert(state).second) << "state " << s << " is there twice";
+    for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
+      oracle::State next = state;
+      next.at(graph.connection(a)) = false;
+      EXPECT_EQ(oracle::state_of(graph.state(graph.successor(a)), problem.num_connections()), next);
+    }
+  }
+  EXPECT_EQ(graph.goal().has_value(), truth.sequences > 0);
+}
+
+TEST_P(Agreement, StateGraphIsTheOraclesGraph) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    const Problem problem(spec);
+    expect_graph(problem, truth, 1);
+    expect_graph(problem, truth, 2);
+  });
+}
+
+TEST_P(Agreement, EveryPlannerIsRightAboutEveryProblem) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    const Problem problem(spec);
+    Budget two_threads;
+    two_threads.threads = 2;
+    for (const Planner& planner : planners()) {
+      if (!planner.available()) continue;
+      if (planner.max_connections != 0 && problem.num_connections() > planner.max_connections) continue;
+      SCOPED_TRACE(std::string(planner.name));
+      try {
+        const Result result = solve(problem, planner.name);
+        expect_honest(problem, truth, planner, result);
+        expect_same_answer(result, solve(problem, planner.name, {}, two_threads));
+      } catch (const InputError& error) {
+        EXPECT_EQ(planner.name, "orasp-search") << error.what();
+        EXPECT_FALSE(range_is_known(spec.objective)) << error.what();
+      }
+    }
+  });
+}
+
+TEST_P(Agreement, ValuesOfEveryStateAreTheOracles) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    if (oracle::World(spec).start_infeasible()) return;  // settled without values
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    if (system.infeasibility()) return;
+    const StateGraph graph = StateGraph::build(system, Budget{});
+    const std::vector<double> to_go = value_iteration(graph, {}, Budget{}).values;
+    const std::vector<double> from_start = bellman_ford(graph, {}, Budget{}).values;
+    ASSERT_EQ(to_go.size(), graph.num_states());
+    ASSERT_EQ(from_start.size(), graph.num_states());
+    for (StateId s = 0; s < graph.num_states(); ++s) {
+      const oracle::State state = oracle::state_of(graph.state(s), problem.num_connections());
+      const double left = truth.best_to_go.at(state);
+      const double gained = truth.best_from_start.at(state);
+      if (std::isfinite(left)) {
+        EXPECT_NEAR(to_go[s], left, reward_tolerance(left));
+      } else {
+        EXPECT_EQ(to_go[s], left);
+      }
+      EXPECT_NEAR(from_start[s], gained, reward_tolerance(gained));
+    }
+  });
+}
+
+// Admissible: never below the best that is left. Consistent: along an action it falls by at least the reward.
+TEST_P(Agreement, ConnectionBoundIsAdmissibleAndConsistentInEveryState) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    const ConnectionBound bound(system);
+    const oracle::World world(spec);
+    for (const auto& [state, value] : truth.best_to_go) {
+      const double here = bound(oracle::set_of(state).view());
+      EXPECT_FALSE(std::isnan(here));
+      if (range_is_known(spec.objective)) {
+        EXPECT_TRUE(std::isfinite(here));
+      }
+      EXPECT_GE(here, value - reward_tolerance(here));
+      for (const oracle::Facts& action : world.legal_facts(state)) {
+        oracle::State next = state;
+        next[action.connection] = false;
+        const double there = bound(oracle::set_of(next).view());
+        if (std::isfinite(here)) {
+          EXPECT_GE(here - there, action.reward - reward_tolerance(here));
+        }
+      }
+    }
+    EXPECT_EQ(bound(ConnectionSet(problem.num_connections()).view()), 0);
+  });
+}
+
+TEST_P(Agreement, OracleAgreesWithPlainEnumeration) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    if (spec.connections.size() > 6) return;
+    const oracle::OracleResult tree = oracle::enumerate(spec);
+    EXPECT_EQ(tree.feasible, truth.feasible);
+    EXPECT_EQ(tree.tree_nodes, truth.tree_nodes);
+    EXPECT_EQ(tree.sequences, truth.sequences);
+    if (tree.feasible) {
+      EXPECT_NEAR(tree.best, truth.best, 1e-9);
+      EXPECT_NEAR(tree.worst, truth.worst, 1e-9);
+    }
+  });
+}
+
+/// Adds the types of an objective and of what it sums.
+void add_types(const Objective& objective, bool inside_sum, std::set<std::string>& features) {
+  features.insert("objective " + objective.type + (inside_sum ? " in a sum" : ""));
+  if (const auto* cost = std::get_if<PieceCost>(&objective.parameters); cost != nullptr && objective.type == "piece_cost") {
+    if (cost->completion < 0) features.insert("negative completion");
+    if (!cost->pieces.contains(1)) features.insert("a size without a cost");
+  }
+  if (const auto* sum = std::get_if<WeightedSum>(&objective.parameters)) {
+    for (const WeightedObjective& term : sum->terms) {
+      if (term.weight < 0) features.insert("negative weight");
+      if (term.weight == 0) features.insert("weight 0");
+      if (term.objective.type == "sum") features.insert("sum in a sum");
+      add_types(term.objective, true, features);
+    }
+  }
+}
+
+std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleResult& truth) {
+  std::set<std::string> features;
+  const oracle::World world(spec);
+  add_types(spec.objective, false, features);
+  features.insert(spec.direction == Direction::Assembly ? "assembly" : "disassembly");
+  features.insert(std::to_string(spec.connections.size()) + " connections");
+  features.insert(truth.feasible ? "feasible" : "infeasible");
+  if (world.start_infeasible()) features.insert("infeasible start");
+  if (truth.feasible && truth.dead_ends > 0) features.insert("feasible with dead ends");
+  if (!truth.feasible && !world.start_infeasible() && !TransitionSystem(Problem(spec)).infeasibility()) {
+    features.insert("infeasible, found by search only");
+  }
+  if (truth.feasible && truth.best - truth.worst > 1e-6) features.insert("plans of different rewards");
+
+  std::map<std::string, int> entries;
+  for (const Precedence& entry : spec.precedence) {
+    if (!entry.after.empty()) features.insert("after");
+    if (!entry.after_any.empty()) features.insert("after_any");
+    if (++entries[entry.connection] > 1) features.insert("several entries on one connection");
+  }
+  const auto reason = TransitionSystem(Problem(spec)).infeasibility();
+  if (reason && reason->constraint == Constraint::Precedence) features.insert("precedence cycle");
+
+  const Limits& limits = spec.limits;
+  const int number = (limits.max_subassemblies ? 1 : 0) + (limits.max_moved_parts ? 1 : 0) + (limits.max_moved_mass ? 1 : 0);
+  const std::string alone = number == 1 ? " alone" : "";
+  if (limits.max_subassemblies) features.insert("max_subassemblies" + alone);
+  if (limits.max_moved_parts) features.insert("max_moved_parts" + alone);
+  if (limits.max_moved_mass) features.insert("max_moved_mass" + alone);
+  if (number == 3) features.insert("all limits");
+  if (spec.blocking) {
+    features.insert("blocking with " + std::to_string(spec.blocking->directions.size()) + " directions");
+  }
+
+  std::set<std::set<std::string>> pairs;
+  for (const Connection& connection : spec.connections) {
+    if (connection.parts[0] == connection.parts[1]) {
+      features.insert("self-connection");
+    } else if (!pairs.insert({connection.parts[0], connection.parts[1]}).second) {
+      features.insert("parallel connections");
+    }
+  }
+  std::set<std::string> joined;
+  for (const Connection& connection : spec.connections) joined.insert(connection.parts.begin(), connection.parts.end());
+  for (const Part& part : spec.parts) {
+    features.insert(part.position ? "a position" : "no position");
+    if (!joined.contains(part.id)) features.insert("part without a connection");
+  }
+
+  // What happens in its states: several pieces at the start, steps that each rule forbids, ties of the moved piece.
+  const std::array<std::string, 6> rules = {"precedence (after)", "precedence (after_any)", "max_subassemblies",
+                                            "max_moved_parts", "max_moved_mass", "blocking"};
+  for (const auto& [state, value] : truth.best_to_go) {
+    for (std::size_t c = 0; c < state.size(); ++c) {
+      if (!state[c]) continue;
+      const oracle::Facts facts = world.facts(state, c);
+      for (const oracle::Rule rule : facts.broken) {
+        features.insert("a step forbidden by " + rules[static_cast<std::size_t>(rule)]);
+        if (facts.broken.size() == 1) {
+          features.insert("a step forbidden by nothing but " + rules[static_cast<std::size_t>(rule)]);
+        }
+      }
+      if (facts.separates && facts.a.size() == facts.b.size()) {
+        features.insert(facts.moved_mass == facts.kept_mass                       ? "tie of the moved piece"
+                        : std::abs(facts.moved_mass - facts.kept_mass) < 1e-9 ? "tie of the moved piece by rounding"
+                                                                                  : "moved piece by mass");
+      }
+      if (facts.separates && facts.moved.size() > 1) features.insert("a moved piece of several parts");
+    }
+  }
+  const Problem problem(spec);
+  const TransitionSystem system(problem);
+  if (system.subassemblies(system.start().view()) > 1) features.insert("several start pieces");
+  return features;
+}
+
+// The comparison is worth what the problems are worth: each feature must occur often among the seeds.
+TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
+  std::map<std::string, int> seen;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const ProblemSpec spec = random_problem(seed);
+    for (const std::string& feature : features_of(spec, oracle::brute_force(spec))) ++seen[feature];
+  }
+  std::map<std::string, int> wanted = {
+      {"assembly", 200},
+      {"disassembly", 200},
+      {"feasible", 300},
+      {"infeasible", 60},
+      {"infeasible start", 10},
+      {"infeasible, found by search only", 40},
+      {"feasible with dead ends", 40},
+      {"plans of different rewards", 150},
+      {"after", 150},
+      {"after_any", 60},
+      {"several entries on one connection", 40},
+      {"precedence cycle", 15},
+      {"max_subassemblies", 60},
+      {"max_subassemblies alone", 20},
+      {"max_moved_parts", 60},
+      {"max_moved_parts alone", 20},
+      {"max_moved_mass", 60},
+      {"max_moved_mass alone", 20},
+      {"all limits", 30},
+      {"blocking with 2 directions", 30},
+      {"blocking with 4 directions", 30},
+      {"blocking with 6 directions", 30},
+      {"self-connection", 30},
+      {"parallel connections", 60},
+      {"part without a connection", 60},
+      {"several start pieces", 30},
+      {"a position", 100},
+      {"no position", 100},
+      {"negative completion", 15},
+      {"a size without a cost", 10},
+      {"negative weight", 15},
+      {"weight 0", 5},
+      {"sum in a sum", 3},
+      {"a moved piece of several parts", 60},
+      {"tie of the moved piece", 100},
+      {"tie of the moved piece by rounding", 3},
+      {"moved piece by mass", 60},
+  };
+  for (const std::string_view type : kObjectiveTypes) wanted["objective " + std::string(type)] = 40;
+  for (const std::string_view type : kObjectiveTypes) wanted["objective " + std::string(type) + " in a sum"] = 3;
+  wanted["objective callable"] = 40;
+  for (int n = 0; n <= 8; ++n) wanted[std::to_string(n) + " connections"] = 15;
+  for (const char* rule : {"precedence (after)", "precedence (after_any)", "max_subassemblies", "max_moved_parts",
+                           "max_moved_mass", "blocking"}) {
+    wanted["a step forbidden by " + std::string(rule)] = 20;
+    wanted["a step forbidden by nothing but " + std::string(rule)] = 10;
+  }
+  for (const auto& [feature, least] : wanted) EXPECT_GE(seen[feature], least) << feature;
+  if (HasFailure()) {
+    for (const auto& [feature, times] : seen) std::printf("%5d  %s\n", times, feature.c_str());
+  }
+}
+
+}  // namespace
+}  // namespace orasp

@@ -1,0 +1,91 @@
+#include "tests/checks.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "orasp/model/validate.h"
+
+namespace orasp {
+
+void expect_honest(const Problem& problem, const oracle::OracleResult& truth, const Planner& planner,
+                   const Result& result) {
+  // `auto` answers in the name of the method that it chose.
+  const bool chosen = planner.name == "auto" && result.method != "auto";
+  const bool exact = chosen ? find_planner(result.method).exact : planner.exact;
+  const bool nothing_to_do = problem.num_connections() == 0;
+  if (!chosen) {
+    EXPECT_EQ(result.method, planner.name);
+  }
+  if (result.has_plan()) {
+    EXPECT_TRUE(truth.feasible);
+    EXPECT_EQ(result.sequence.size(), problem.num_connections());
+    const oracle::OracleReplay replay = oracle::replay(problem.spec(), result.sequence);
+    EXPECT_TRUE(replay.valid);
+    EXPECT_NEAR(result.reward, replay.reward, reward_tolerance(replay.reward));
+    const Evaluation evaluation = evaluate(problem, std::span<const ConnectionIndex>(result.sequence));
+    EXPECT_TRUE(evaluation.valid);
+    EXPECT_NEAR(result.reward, evaluation.reward, reward_tolerance(replay.reward));
+    EXPECT_LE(result.reward, truth.best + reward_tolerance(truth.best));
+    EXPECT_GE(result.reward, truth.worst - reward_tolerance(truth.worst));
+  } else {
+    EXPECT_TRUE(result.sequence.empty());
+    EXPECT_EQ(result.reward, -std::numeric_limits<double>::infinity());
+  }
+  if (result.status == Status::Optimal) {
+    EXPECT_TRUE(exact || chosen || nothing_to_do);
+    EXPECT_NEAR(result.reward, truth.best, reward_tolerance(truth.best));
+    EXPECT_EQ(result.stop, Stop::None);
+    ASSERT_TRUE(result.bound.has_value());
+  }
+  if (result.status == Status::Infeasible) {
+    EXPECT_FALSE(truth.feasible);
+  }
+  if (result.bound) {
+    EXPECT_FALSE(std::isnan(*result.bound));
+    if (truth.feasible) {
+      EXPECT_GE(*result.bound, truth.best - reward_tolerance(truth.best));
+    }
+    if (result.status == Status::Optimal) {
+      EXPECT_NEAR(*result.bound, truth.best, reward_tolerance(truth.best));
+    }
+  }
+  if (result.stop == Stop::None) {
+    const bool proved = exact || nothing_to_do || (chosen && result.status == Status::Optimal);
+    const Status found = proved ? Status::Optimal : Status::Feasible;
+    EXPECT_EQ(status_name(result.status), status_name(truth.feasible ? found : Status::Infeasible));
+  } else {
+    EXPECT_TRUE(result.status == Status::Feasible || result.status == Status::Unknown) << status_name(result.status);
+  }
+  EXPECT_GE(result.statistics.seconds, 0);
+}
+
+void expect_same_answer(const Result& one, const Result& other) {
+  EXPECT_EQ(one.method, other.method);
+  EXPECT_EQ(status_name(one.status), status_name(other.status));
+  EXPECT_EQ(stop_name(one.stop), stop_name(other.stop));
+  EXPECT_EQ(one.sequence, other.sequence);
+  EXPECT_EQ(one.reward, other.reward);
+  EXPECT_EQ(one.bound, other.bound);
+  EXPECT_EQ(one.seed, other.seed);
+  EXPECT_EQ(one.values, other.values);
+  EXPECT_EQ(one.notes, other.notes);
+  EXPECT_EQ(one.statistics.states, other.statistics.states);
+  EXPECT_EQ(one.statistics.actions, other.statistics.actions);
+  EXPECT_EQ(one.statistics.expanded, other.statistics.expanded);
+  EXPECT_EQ(one.statistics.generated, other.statistics.generated);
+  EXPECT_EQ(one.statistics.reopened, other.statistics.reopened);
+  EXPECT_EQ(one.statistics.pruned, other.statistics.pruned);
+  EXPECT_EQ(one.statistics.sweeps, other.statistics.sweeps);
+}
+
+bool range_is_known(const Objective& objective) {
+  if (objective.type == "expression") return false;
+  if (const auto* callable = std::get_if<Callable>(&objective.parameters)) return std::isfinite(callable->greatest);
+  if (const auto* sum = std::get_if<WeightedSum>(&objective.parameters)) {
+    return std::all_of(sum->terms.begin(), sum->terms.end(),
+                       [](const WeightedObjective& term) { return range_is_known(term.objective); });
+  }
+  return true;
+}
+
+}  // namespace orasp

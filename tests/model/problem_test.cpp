@@ -1,0 +1,418 @@
+#include "orasp/model/problem.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "orasp/model/transition_system.h"
+#include "tests/fault.h"
+
+namespace orasp {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+///   1 - 2 - 3
+///       |   |
+///       4 - 5
+ProblemSpec five_parts() {
+  ProblemSpec spec;
+  for (const char* id : {"1", "2", "3", "4", "5"}) spec.parts.emplace_back().id = id;
+  for (const auto& [a, b] : std::vector<std::pair<const char*, const char*>>{
+           {"1", "2"}, {"2", "3"}, {"2", "4"}, {"3", "5"}, {"4", "5"}}) {
+    spec.connections.emplace_back().parts = {a, b};
+  }
+  return spec;
+}
+
+/// The fault of five_parts() after `change`.
+std::string fault_with(const std::function<void(ProblemSpec&)>& change) {
+  ProblemSpec spec = five_parts();
+  change(spec);
+  return fault_of([&] { return Problem(spec); });
+}
+
+std::string fault_of_objective(Objective objective) {
+  return fault_with([&](ProblemSpec& spec) { spec.objective = std::move(objective); });
+}
+
+TEST(Problem, IndexesPartsAndConnectionsInTheOrderGiven) {
+  const Problem problem(five_parts());
+  EXPECT_EQ(problem.num_parts(), 5U);
+  EXPECT_EQ(problem.num_connections(), 5U);
+  EXPECT_EQ(problem.part_id(3), "4");
+  EXPECT_EQ(problem.ends(3), (std::array<PartIndex, 2>{2, 4}));
+  EXPECT_EQ(problem.find_part("5", ""), 4U);
+  EXPECT_EQ(problem.find_connection("2-4", ""), 2U);
+  EXPECT_TRUE(problem.warnings().empty());
+}
+
+TEST(Problem, FillsInTheDefaultIdOfAConnection) {
+  ProblemSpec spec = five_parts();
+  spec.connections[1].id = "hinge";
+  const Problem problem(std::move(spec));
+  EXPECT_EQ(problem.connection_id(0), "1-2");
+  EXPECT_EQ(problem.connection_id(1), "hinge");
+}
+
+TEST(Problem, WithoutPartsIsAProblem) {
+  EXPECT_EQ(Problem(ProblemSpec{}).num_parts(), 0U);
+}
+
+TEST(Problem, NamesAnUnknownPartAndThePartsThereAre) {
+  const auto join_to_17 = [](ProblemSpec& spec) { spec.connections[3].parts[1] = "17"; };
+  EXPECT_EQ(fault_with(join_to_17),
+            "connections[3].parts[1]: no part \"17\"; parts are \"1\" to \"5\"");
+  const auto with_parts = [&](std::size_t parts) {
+    return fault_with([parts](ProblemSpec& spec) {
+      spec.parts.resize(parts);
+      spec.connections[0].parts[0] = "17";
+    });
+  };
+  EXPECT_EQ(with_parts(3),
+            "connections[0].parts[0]: no part \"17\"; parts are \"1\", \"2\" and \"3\"");
+  EXPECT_EQ(with_parts(2), "connections[0].parts[0]: no part \"17\"; parts are \"1\" and \"2\"");
+  EXPECT_EQ(with_parts(1), "connections[0].parts[0]: no part \"17\"; the only part is \"1\"");
+  EXPECT_EQ(with_parts(0), "connections[0].parts[0]: no part \"17\"; there are no parts");
+}
+
+TEST(Problem, NamesBothPlacesOfADuplicateId) {
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) { spec.parts[4].id = "2"; }),
+            "parts[4].id: \"2\" is the id of parts[1] too");
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) { spec.connections[4].id = "1-2"; }),
+            "connections[4].id: \"1-2\" is the id of connections[0] too");
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) {
+              spec.connections[2].parts = {"1", "2"};
+            }),
+            "connections[2]: its default id \"1-2\" is the id of connections[0] too; give it an "
+            "\"id\"");
+}
+
+TEST(Problem, RefusesIdsThatAPlanCouldNotCarry) {
+  const auto with_id = [](const std::string& id) {
+    return fault_with([&](ProblemSpec& spec) { spec.parts[0].id = id; });
+  };
+  EXPECT_EQ(with_id(""), "parts[0].id: an id must not be empty");
+  EXPECT_EQ(with_id("a\nb"),
+            "parts[0].id: \"a\\x0ab\" is not an id; ids hold no control characters");
+  EXPECT_EQ(with_id("a "),
+            "parts[0].id: \"a \" is not an id; ids do not begin or end with a space");
+  EXPECT_EQ(with_id("\xff"), "parts[0].id: \"\\xff\" is not valid UTF-8");
+}
+
+TEST(Problem, RefusesNumbersOutOfRange) {
+  const auto with_mass = [](double mass) {
+    return fault_with([mass](ProblemSpec& spec) { spec.parts[2].mass = mass; });
+  };
+  EXPECT_EQ(with_mass(-1), "parts[2].mass: -1 is not allowed; it must be 0 or more");
+  EXPECT_EQ(with_mass(kNan), "parts[2].mass: NaN is not a finite number");
+  EXPECT_EQ(with_mass(kInfinity), "parts[2].mass: infinity is not a finite number");
+  EXPECT_EQ(with_mass(0), "no fault");
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) {
+              spec.parts[1].position = {0, kNan, 0};
+            }),
+            "parts[1].position[1]: NaN is not a finite number");
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) { spec.connections[1].duration = -0.5; }),
+            "connections[1].duration: -0.5 is not allowed; it must be 0 or more");
+  for (const double success : {0.0, -0.5, 1.5, kNan}) {
+    EXPECT_NE(fault_with([=](ProblemSpec& spec) {
+                spec.connections[1].success = success;
+              }).find("connections[1].success: "),
+              std::string::npos)
+        << success;
+  }
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) { spec.connections[1].success = 1; }), "no fault");
+  EXPECT_EQ(fault_with([](ProblemSpec& spec) { spec.limits.max_moved_mass = -2; }),
+            "limits.max_moved_mass: -2 is not allowed; it must be 0 or more");
+  EXPECT_EQ(
+      fault_with([](ProblemSpec& spec) { spec.connections[0].axis = "up"; }),
+      "connections[0].axis: \"up\" is not a direction; directions are +x, -x, +y, -y, +z and -z");
+}
+
+TEST(Problem, RefusesMoreThanItCanHold) {
+  ProblemSpec spec;
+  spec.parts.resize(kMaxParts + 1);
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+            "parts: more than 16384 parts, the most a problem may have");
+  spec.parts.resize(1);
+  spec.parts[0].id = "1";
+  spec.connections.resize(kMaxConnections + 1);
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+            "connections: more than 16384 connections, the most a problem may have");
+}
+
+TEST(Problem, WarnsOfAConnectionOfAPartToItself) {
+  ProblemSpec spec = five_parts();
+  spec.connections.emplace_back().parts = {"4", "4"};
+  const Problem problem(std::move(spec));
+  EXPECT_EQ(problem.warnings(),
+            std::vector<std::string>{
+                "connection \"4-4\" joins part \"4\" to itself; removing it separates nothing"});
+}
+
+TEST(Problem, WarnsThatAFleetIsNotUsed) {
+  ProblemSpec spec = five_parts();
+  spec.fleet = Fleet{.robots = 4, .depot = {}, .sites = {}};
+  EXPECT_EQ(Problem(spec).warnings(),
+            std::vector<std::string>{"fleet: its 4 robots are kept with the problem; the planners "
+                                     "for one robot do not use them"});
+  spec.fleet->robots = 0;
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+            "fleet.robots: 0 is not allowed; a fleet has at least 1 robot");
+  spec.fleet = Fleet{.robots = 1, .depot = {}, .sites = {{0, 0}, {kInfinity, 0}}};
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+            "fleet.sites[1][0]: infinity is not a finite number");
+}
+
+TEST(Problem, SortsAndMergesTheListsOfPrecedence) {
+  ProblemSpec spec = five_parts();
+  spec.precedence = {{"1-2", {"4-5", "2-3", "4-5"}, {}}, {"2-3", {}, {"3-5", "2-4"}}};
+  const Problem problem(std::move(spec));
+  ASSERT_EQ(problem.precedence().size(), 2U);
+  EXPECT_EQ(problem.precedence()[0].connection, 0U);
+  EXPECT_EQ(problem.precedence()[0].after, (std::vector<ConnectionIndex>{1, 4}));
+  EXPECT_EQ(problem.precedence()[1].after_any, (std::vector<ConnectionIndex>{2, 3}));
+  EXPECT_EQ(problem.precedence()[1].entry, 1U);
+}
+
+TEST(Problem, NamesAnUnknownConnectionOfAPrecedence) {
+  const auto with = [](Precedence rule) {
+    return fault_with([&](ProblemSpec& spec) {
+      spec.precedence = {{"1-2", {"2-3"}, {}}, std::move(rule)};
+    });
+  };
+  EXPECT_EQ(with({"9-9", {}, {}}),
+            "precedence[1].connection: no connection \"9-9\"; connections are \"1-2\" to \"4-5\"");
+  EXPECT_EQ(with({"1-2", {"2-3", "x"}, {}}),
+            "precedence[1].after[1]: no connection \"x\"; connections are \"1-2\" to \"4-5\"");
+  EXPECT_EQ(with({"1-2", {}, {"x"}}),
+            "precedence[1].after_any[0]: no connection \"x\"; connections are \"1-2\" to \"4-5\"");
+}
+
+TEST(Problem, LoadsACycleOfPrecedence) {
+  const auto cycle = [](ProblemSpec& spec) {
+    spec.precedence = {{"1-2", {"2-3"}, {}}, {"2-3", {"1-2"}, {}}, {"4-5", {"4-5"}, {}}};
+  };
+  EXPECT_EQ(fault_with(cycle), "no fault");
+}
+
+// Part 1 cannot leave 2 along +x: then 2 cannot leave 1 along -x. The second entry says the latter again, and that 2
+// cannot leave 1 along +y: then 1 cannot leave 2 along -y.
+TEST(Problem, ClosesBlockingUnderAntisymmetryAndMergesEntries) {
+  ProblemSpec spec = five_parts();
+  spec.blocking =
+      Blocking{.directions = {"+y", "-y", "-x", "+x"},
+               .blocked = {{"1", "2", {"+x", "+x"}}, {"2", "1", {"-x", "+y"}}, {"3", "4", {}}}};
+  const Problem problem(std::move(spec));
+  EXPECT_EQ(problem.directions(), 0b001111);
+  ASSERT_EQ(problem.blockers().size(), 5U);
+  ASSERT_EQ(problem.blockers()[0].size(), 1U);
+  EXPECT_EQ(problem.blockers()[0][0].by, 1U);
+  EXPECT_EQ(problem.blockers()[0][0].directions, 0b001001);  // +x and -y
+  ASSERT_EQ(problem.blockers()[1].size(), 1U);
+  EXPECT_EQ(problem.blockers()[1][0].by, 0U);
+  EXPECT_EQ(problem.blockers()[1][0].directions, 0b000110);  // -x and +y
+  EXPECT_TRUE(problem.blockers()[2].empty());
+}
+
+TEST(Problem, HasNoDirectionsWithoutBlocking) {
+  const Problem problem(five_parts());
+  EXPECT_EQ(problem.directions(), 0);
+  ASSERT_EQ(problem.blockers().size(), 5U);
+  for (const std::vector<Blocker>& blockers : problem.blockers()) EXPECT_TRUE(blockers.empty());
+}
+
+TEST(Problem, RefusesDirectionsThatAreNotPairs) {
+  const auto with = [](std::vector<std::string> directions, std::vector<Blocked> blocked = {}) {
+    return fault_with([&](ProblemSpec& spec) {
+      spec.blocking = Blocking{.directions = directions, .blocked = blocked};
+    });
+  };
+  EXPECT_EQ(with({}),
+            "blocking.directions: at least one pair of directions is needed, or no part could ever "
+            "leave another");
+  EXPECT_EQ(with({"+x", "-x", "+z"}),
+            "blocking.directions: \"+z\" is listed without its opposite \"-z\"");
+  EXPECT_EQ(with({"+x", "-x", "-x"}), "blocking.directions[2]: \"-x\" is listed twice");
+  EXPECT_EQ(
+      with({"x"}),
+      "blocking.directions[0]: \"x\" is not a direction; directions are +x, -x, +y, -y, +z and "
+      "-z");
+  EXPECT_EQ(
+      with({"+x", "-x"}, {{"1", "2", {"+x"}}, {"1", "2", {"-x", "+y"}}}),
+      "blocking.blocked[1].directions[1]: \"+y\" is not in blocking.directions, which are +x, -x");
+  EXPECT_EQ(with({"+x", "-x"}, {{"1", "1", {"+x"}}}),
+            "blocking.blocked[0]: part \"1\" cannot be blocked by itself");
+  EXPECT_EQ(with({"+x", "-x"}, {{"1", "8", {"+x"}}}),
+            "blocking.blocked[0].by: no part \"8\"; parts are \"1\" to \"5\"");
+}
+
+TEST(Problem, NeedsPositionsForTravel) {
+  ProblemSpec spec = five_parts();
+  spec.objective = Objective::named("travel");
+  spec.parts[0].position = Vector3{};
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+            "objective: \"travel\" needs the position of every part, and part \"2\" has none");
+  spec.objective = {"sum",
+                    WeightedSum{{{1, Objective::named("time")}, {2, Objective::named("travel")}}}};
+  EXPECT_EQ(
+      fault_of([&] { return Problem(spec); }),
+      "objective.terms[1]: \"travel\" needs the position of every part, and part \"2\" has none");
+  for (Part& part : spec.parts) part.position = Vector3{};
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }), "no fault");
+}
+
+TEST(Problem, ChangesOneThingAndKeepsTheRest) {
+  const Problem problem(five_parts());
+  EXPECT_EQ(problem.with_direction(Direction::Assembly).direction(), Direction::Assembly);
+  EXPECT_EQ(problem.with_objective(Objective::named("time")).objective().type, "time");
+  EXPECT_EQ(
+      problem.with_limits({.max_subassemblies = 2, .max_moved_parts = {}, .max_moved_mass = {}})
+          .limits()
+          .max_subassemblies,
+      2U);
+  EXPECT_EQ(problem.with_direction(Direction::Assembly).connection_id(4), "4-5");
+  EXPECT_NE(fault_of([&] { return problem.with_objective(Objective::named("travel")); }),
+            "no fault");
+}
+
+// The numbers of the contract, section 3.
+TEST(Objective, HasTheNumbersOfTheContract) {
+  const auto cost = [](const char* type) {
+    return std::get<PieceCost>(Objective::named(type).parameters);
+  };
+  const std::map<std::size_t, double> cubesat = {{1, 0.0967}, {2, 0.1248}, {3, 0.1368}};
+  const std::map<std::size_t, double> custom = {{1, 1}, {2, 1.5}, {3, 1.75}};
+  EXPECT_EQ(cost("cubesat").operation, 0);
+  EXPECT_EQ(cost("cubesat").pieces, cubesat);
+  EXPECT_EQ(cost("cubesat").completion, 1);
+  EXPECT_EQ(cost("custom").operation, 0.1);
+  EXPECT_EQ(cost("custom").pieces, custom);
+  EXPECT_EQ(cost("custom").completion, 1);
+  EXPECT_TRUE(cost("piece_cost").pieces.empty());
+  const auto fuel = std::get<Fuel>(Objective::named("fuel").parameters);
+  EXPECT_EQ(fuel.dry_mass, 6);
+  EXPECT_EQ(fuel.delta_v, 30);
+  EXPECT_EQ(fuel.isp, 200);
+  const auto completion = std::get<CompletionObjective>(Objective::named("completion").parameters);
+  EXPECT_EQ(completion.join, 100);
+  EXPECT_EQ(completion.step, 1);
+  EXPECT_EQ(completion.bonus, 1000);
+  EXPECT_EQ(std::get<TimeObjective>(Objective::named("time").parameters).speed, 1);
+  EXPECT_EQ(std::get<TimeObjective>(Objective::named("time").parameters).transfer, 1);
+}
+
+TEST(Objective, IsCubesatIfNothingIsSaid) {
+  EXPECT_EQ(Objective{}.type, "cubesat");
+  EXPECT_EQ(fault_of_objective(Objective{}), "no fault");
+  EXPECT_EQ(ProblemSpec{}.objective.type, "cubesat");
+}
+
+TEST(Objective, NamesTheKnownTypesAndTheNearest) {
+  EXPECT_EQ(
+      fault_of([] { return Objective::named("cubsat"); }),
+      "no objective \"cubsat\"; objectives are piece_cost, cubesat, cubesat_zone, custom, indexed, "
+      "time, travel, fuel, completion, expression, sum; did you mean \"cubesat\"?");
+  EXPECT_EQ(fault_of([] { return Objective::named("expression"); }),
+            "the objective \"expression\" needs a formula");
+  EXPECT_EQ(fault_of([] { return Objective::named("sum"); }),
+            "the objective \"sum\" needs its terms");
+}
+
+TEST(Objective, RefusesATypeThatDoesNotFitItsParameters) {
+  EXPECT_EQ(fault_of_objective({"time", Fuel{}}),
+            "objective.type: \"time\" does not go with the objective's parameters");
+  EXPECT_EQ(
+      fault_of_objective({"cubesat", PieceCost{.operation = 2, .pieces = {}, .completion = 0}}),
+      "objective: \"cubesat\" has fixed numbers and these parameters are others; use "
+      "\"piece_cost\"");
+}
+
+TEST(Objective, RefusesNumbersOutOfRange) {
+  EXPECT_EQ(fault_of_objective({"time", TimeObjective{.depot = {}, .speed = 0, .transfer = 1}}),
+            "objective.speed: 0 is not allowed; it must be above 0");
+  EXPECT_EQ(fault_of_objective({"time", TimeObjective{.depot = {}, .speed = 1, .transfer = -1}}),
+            "objective.transfer: -1 is not allowed; it must be 0 or more");
+  EXPECT_EQ(fault_of_objective({"fuel", Fuel{.dry_mass = 6, .delta_v = 30, .isp = 0}}),
+            "objective.isp: 0 is not allowed; it must be above 0");
+  EXPECT_EQ(fault_of_objective({"travel", Travel{.depot = {0, kNan, 0}}}),
+            "objective.depot[1]: NaN is not a finite number");
+  EXPECT_EQ(fault_of_objective(
+                {"piece_cost", PieceCost{.operation = 0, .pieces = {{0, 1}}, .completion = 0}}),
+            "objective.pieces: \"0\" is not a piece size; sizes are \"1\" to \"16384\"");
+  EXPECT_EQ(fault_of_objective(
+                {"piece_cost", PieceCost{.operation = 0, .pieces = {{2, kNan}}, .completion = 0}}),
+            "objective.pieces.2: NaN is not a finite number");
+  EXPECT_EQ(fault_of_objective({"sum", WeightedSum{{{kInfinity, Objective{}}}}}),
+            "objective.terms[0].weight: infinity is not a finite number");
+}
+
+TEST(Objective, RefusesASumOfNothingAndSumsTooDeep) {
+  EXPECT_EQ(fault_of_objective({"sum", WeightedSum{}}),
+            "objective.terms: a sum needs at least one term");
+  const auto nested = [](std::size_t depth) {
+    Objective objective;
+    for (std::size_t i = 0; i < depth; ++i) objective = {"sum", WeightedSum{{{1, objective}}}};
+    return objective;
+  };
+  EXPECT_EQ(fault_of_objective(nested(kMaxSumDepth)), "no fault");
+  EXPECT_NE(
+      fault_of_objective(nested(kMaxSumDepth + 1)).find("sums stand in sums more than 16 deep"),
+      std::string::npos);
+}
+
+TEST(Objective, ChecksTheNamesOfConstants) {
+  class One final : public Formula {
+   public:
+    [[nodiscard]] double value(const FormulaVariables&) override { return 1; }
+  };
+  const auto with = [](std::map<std::string, double> constants) {
+    return fault_of_objective({"expression", Expression{.formula = "1",
+                                                        .constants = std::move(constants),
+                                                        .depot = {},
+                                                        .compiler = [](const auto&, const auto&) {
+                                                          return std::make_unique<One>();
+                                                        }}});
+  };
+  EXPECT_EQ(with({{"rate", 2}}), "no fault");
+  EXPECT_EQ(with({{"my rate", 2}}),
+            "objective.constants: \"my rate\" is not a name; names are letters, digits and _, not "
+            "a digit first");
+  EXPECT_EQ(with({{"2x", 2}}),
+            "objective.constants: \"2x\" is not a name; names are letters, digits and _, not a "
+            "digit first");
+  EXPECT_EQ(with({{"duration", 2}}),
+            "objective.constants: \"duration\" is a variable of every formula; give the constant "
+            "another name");
+  EXPECT_EQ(with({{"rate", kNan}}), "objective.constants.rate: NaN is not a finite number");
+}
+
+TEST(Objective, NeedsACompilerForAnExpression) {
+  EXPECT_EQ(
+      fault_of_objective(
+          {"expression", Expression{.formula = "1", .constants = {}, .depot = {}, .compiler = {}}}),
+      "objective.formula: no compiler is set; set Expression::compiler to compile_formula of "
+      "io/formula_parser.h");
+}
+
+TEST(Objective, NeedsAFunctionForACallable) {
+  EXPECT_EQ(fault_of_objective({"callable", Callable{}}),
+            "objective.reward: the callable holds no function");
+  Callable callable;
+  callable.reward = [](const Step&) { return 0.0; };
+  EXPECT_EQ(fault_of_objective({"callable", callable}), "no fault");
+  callable.least = 2;
+  callable.greatest = 1;
+  EXPECT_EQ(fault_of_objective({"callable", callable}),
+            "objective: least 2 and greatest 1 are not a range");
+}
+
+}  // namespace
+}  // namespace orasp

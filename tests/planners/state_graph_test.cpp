@@ -1,0 +1,232 @@
+#include "orasp/planners/state_graph.h"
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "orasp/io/scenarios.h"
+#include "orasp/model/error.h"
+#include "orasp/model/scenario_generators.h"
+#include "orasp/planners/graph_size.h"
+#include "tests/instances.h"
+
+namespace orasp {
+namespace {
+
+// sandwich(): see the drawing. 5 states, 4 actions, one dead end; the plan is 1-2 (0), 2-3 (-0.2215), 1-3 (1).
+TEST(StateGraph, HoldsTheStatesOfTheSandwich) {
+  const Problem problem(instances::sandwich());
+  const TransitionSystem system(problem);
+  const StateGraph graph = StateGraph::build(system, Budget{});
+  EXPECT_EQ(graph.num_states(), 5U);
+  EXPECT_EQ(graph.num_actions(), 4U);
+  EXPECT_EQ(graph.num_layers(), 4U);
+  ASSERT_TRUE(graph.goal().has_value());
+  EXPECT_EQ(count(graph.state(*graph.goal())), 0U);
+  EXPECT_EQ(graph.greatest_reward(), 1);
+  std::multiset<double> rewards;
+  for (ActionId a = 0; a < graph.num_actions(); ++a) rewards.insert(std::round(graph.reward(a) * 1e4));
+  EXPECT_EQ(rewards, (std::multiset<double>{-2215, 0, 0, 10000}));
+  const GraphSize size = graph_size(graph);
+  EXPECT_EQ(size.dead_ends, 1U);
+  EXPECT_EQ(size.sequences, "1");
+  EXPECT_EQ(size.tree_nodes, "5");
+}
+
+TEST(StateGraph, HasNoGoalWhereNoPathReachesIt) {
+  const Problem problem(instances::boxed_in());
+  const TransitionSystem system(problem);
+  const StateGraph graph = StateGraph::build(system, Budget{});
+  EXPECT_EQ(graph.num_states(), 1U);
+  EXPECT_EQ(graph.num_actions(), 0U);
+  EXPECT_FALSE(graph.goal().has_value());
+  EXPECT_EQ(graph.greatest_reward(), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(graph_size(graph).sequences, "0");
+  EXPECT_EQ(graph_size(graph).dead_ends, 1U);
+}
+
+TEST(StateGraph, OfNothingIsOneStateWhichIsTheGoal) {
+  for (const ProblemSpec& spec : {instances::nothing(), instances::one_part()}) {
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    const StateGraph graph = StateGraph::build(system, Budget{});
+    EXPECT_EQ(graph.num_states(), 1U);
+    EXPECT_EQ(graph.goal(), 0U);
+    EXPECT_EQ(graph_size(graph).sequences, "1");
+    EXPECT_EQ(graph_size(graph).tree_nodes, "1");
+    EXPECT_EQ(graph_size(graph).dead_ends, 0U);
+  }
+}
+
+/// Every state, row and reward of two graphs.
+void expect_same_graph(const StateGraph& one, const StateGraph& other) {
+  ASSERT_EQ(one.num_states(), other.num_states());
+  ASSERT_EQ(one.num_actions(), other.num_actions());
+  ASSERT_EQ(one.num_layers(), other.num_layers());
+  for (StateId s = 0; s < one.num_states(); ++s) {
+    ASSERT_TRUE(std::ranges::equal(one.state(s), other.state(s))) << s;
+    ASSERT_EQ(one.begin(s), other.begin(s));
+  }
+  for (ActionId a = 0; a < one.num_actions(); ++a) {
+    ASSERT_EQ(one.successor(a), other.successor(a)) << a;
+    ASSERT_EQ(one.connection(a), other.connection(a)) << a;
+    ASSERT_EQ(one.reward(a), other.reward(a)) << a;
+  }
+}
+
+// Layers of more than 10,000 states (smaller ones are not shared out), in one word and in two, with few different
+// rewards and with many.
+TEST(StateGraph, IsTheSameForAnyNumberOfThreads) {
+  ProblemSpec spec = grid(3, 4);  // 17 connections
+  for (std::size_t p = 0; p < spec.parts.size(); ++p) spec.parts[p].mass = 1 + 0.37 * static_cast<double>(p);
+  spec.limits.max_moved_parts = 4;
+  spec.precedence = {{"1-2", {"11-12"}, {}}};
+  ProblemSpec wide = grid(2, 6);  // 16 connections, behind 60 that go in one order
+  std::vector<Connection> fillers;
+  for (std::size_t i = 0; i < 60; ++i) {
+    Connection filler;
+    filler.id = "f" + std::to_string(i);
+    filler.parts = {"1", "1"};
+    if (i > 0) wide.precedence.push_back({filler.id, {"f" + std::to_string(i - 1)}, {}});
+    fillers.push_back(filler);
+  }
+  for (const Connection& connection : wide.connections) {
+    wide.precedence.push_back({connection.parts[0] + "-" + connection.parts[1], {"f59"}, {}});
+  }
+  wide.connections.insert(wide.connections.begin(), fillers.begin(), fillers.end());
+
+  for (const ProblemSpec& base : {spec, wide}) {
+    for (const char* objective : {"cubesat", "time", "fuel"}) {
+      const Problem problem = Problem(base).with_objective(Objective::named(objective));
+      const TransitionSystem system(problem);
+      const StateGraph one = StateGraph::build(system, Budget{});
+      for (const unsigned threads : {2U, 3U, 8U}) {
+        Budget budget;
+        budget.threads = threads;
+        expect_same_graph(one, StateGraph::build(system, budget));
+      }
+    }
+  }
+}
+
+TEST(StateGraph, RowsAscendByConnectionAndLayersByWhatIsHandled) {
+  const Problem problem = load_scenario("lattice");
+  const TransitionSystem system(problem);
+  const StateGraph graph = StateGraph::build(system, Budget{});
+  EXPECT_EQ(graph.layer_begin(0), 0U);
+  for (std::size_t k = 0; k < graph.num_layers(); ++k) {
+    for (StateId s = graph.layer_begin(k); s < graph.layer_end(k); ++s) {
+      EXPECT_EQ(count(graph.state(s)), 12 - k);
+      for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
+        EXPECT_TRUE(a == graph.begin(s) || graph.connection(a - 1) < graph.connection(a));
+        EXPECT_GE(graph.successor(a), graph.layer_begin(k + 1));
+        EXPECT_LT(graph.successor(a), graph.layer_end(k + 1));
+      }
+    }
+  }
+}
+
+// Whole layers only: the states held of a graph that was stopped are those of the first layers.
+TEST(StateGraph, StoppedEarlyHoldsWholeLayers) {
+  const Problem problem = load_scenario("hubble");
+  const TransitionSystem system(problem);
+  const StateGraph whole = StateGraph::build(system, Budget{});
+  Budget budget;
+  budget.max_bytes = 100'000;
+  const StateGraph part = StateGraph::build(system, budget);
+  EXPECT_EQ(part.stop(), Stop::MemoryLimit);
+  ASSERT_LT(part.num_layers(), whole.num_layers());
+  EXPECT_LT(part.num_states(), whole.num_states());
+  EXPECT_FALSE(part.goal().has_value());
+  for (std::size_t k = 0; k < part.num_layers(); ++k) EXPECT_EQ(part.layer_end(k), whole.layer_end(k));
+  for (StateId s = 0; s < part.num_states(); ++s) {
+    for (ActionId a = part.begin(s); a < part.end(s); ++a) EXPECT_LT(part.successor(a), part.num_states());
+  }
+}
+
+TEST(StateGraph, HoldsAtMost16BytesAStateAnd6AnAction) {
+  const Problem problem = load_scenario("hubble-free");
+  const TransitionSystem system(problem);
+  const StateGraph graph = StateGraph::build(system, Budget{});
+  const double allowed = 16.0 * static_cast<double>(graph.num_states()) + 6.0 * static_cast<double>(graph.num_actions());
+  EXPECT_LE(static_cast<double>(graph.bytes()), 1.001 * allowed);
+  EXPECT_GE(graph.peak_bytes(), graph.bytes());
+}
+
+// Unconstrained: exactly 2^E and E 2^(E-1), without building it.
+TEST(GraphEstimate, IsExactWithoutConstraints) {
+  const Problem problem(chain(40));
+  const GraphEstimate estimate = estimate_graph(TransitionSystem(problem));
+  EXPECT_TRUE(estimate.exact);
+  EXPECT_DOUBLE_EQ(estimate.states, std::exp2(39));
+  EXPECT_DOUBLE_EQ(estimate.actions, 39 * std::exp2(38));
+}
+
+TEST(GraphEstimate, IsOfTheRightOrderUnderConstraints) {
+  for (const char* name : {"2x3", "lattice", "hubble", "hubble-upc"}) {
+    const Problem problem = load_scenario(name);
+    const TransitionSystem system(problem);
+    const GraphEstimate estimate = estimate_graph(system);
+    const StateGraph graph = StateGraph::build(system, Budget{});
+    const double ratio = estimate.states / static_cast<double>(graph.num_states());
+    EXPECT_GT(ratio, 1 / 2.5) << name;
+    EXPECT_LT(ratio, 2.5) << name;
+  }
+}
+
+TEST(RequireGraphFits, RefusesWithTheEstimateAndOtherMethods) {
+  const Problem problem(chain(500));
+  try {
+    require_graph_fits(TransitionSystem(problem), Budget{}, "dijkstra");
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    for (const char* word : {"dijkstra", "states", "orasp-search", "greedy"}) {
+      EXPECT_NE(text.find(word), std::string::npos) << text;
+    }
+  }
+  const Problem small = load_scenario("hubble");
+  EXPECT_NO_THROW(require_graph_fits(TransitionSystem(small), Budget{}, "dijkstra"));
+  Budget tiny;
+  tiny.max_bytes = 10'000;
+  EXPECT_THROW(require_graph_fits(TransitionSystem(small), tiny, "dijkstra"), InputError);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// `lines` rows of `length` connections each of part 1 to itself; within a row they go in order. A state says how far
+/// each row is, so (length + 1)^lines states, and the sequences are the ways to merge the rows: the multinomial number.
+Problem rows_in_order(std::size_t lines, std::size_t length) {
+  ProblemSpec spec = instances::one_part();
+  for (std::size_t line = 0; line < lines; ++line) {
+    for (std::size_t i = 0; i < length; ++i) {
+      Connection connection;
+      connection.id = std::to_string(line) + "." + std::to_string(i);
+      connection.parts = {"1", "1"};
+      if (i > 0) spec.precedence.push_back({connection.id, {std::to_string(line) + "." + std::to_string(i - 1)}, {}});
+      spec.connections.push_back(connection);
+    }
+  }
+  return Problem(spec);
+}
+
+std::string sequences_of(const Problem& problem) {
+  const TransitionSystem system(problem);
+  return graph_size(StateGraph::build(system, Budget{})).sequences;
+}
+
+// 20 connections fit 64 bits, 34 fit 128, beyond that numbers of any size.
+TEST(GraphSize, CountsSequencesBeyondEveryMachineWord) {
+  EXPECT_EQ(sequences_of(rows_in_order(2, 10)), "184756");                           // 20! / (10!)^2
+  EXPECT_EQ(sequences_of(rows_in_order(3, 7)), "399072960");                         // 21! / (7!)^3
+  EXPECT_EQ(sequences_of(rows_in_order(2, 17)), "2333606220");                       // 34! / (17!)^2
+  EXPECT_EQ(sequences_of(rows_in_order(6, 5)), "88832646059788350720");  // 30! / (5!)^6 > 2^64
+  EXPECT_EQ(sequences_of(rows_in_order(5, 7)), "3177459078523411968000");  // 35! / (7!)^5
+  // 90! / (30!)^3 > 2^128
+  EXPECT_EQ(sequences_of(rows_in_order(3, 30)), "79607789567531236214574346454361782651136");
+}
+
+}  // namespace
+}  // namespace orasp

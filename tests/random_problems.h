@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include "orasp/model/problem.h"
+
+namespace orasp {
+
+/// A small random problem: 0 to 8 connections, 0 to 7 parts, and over a few hundred seeds every constraint, every
+/// objective, both directions, several start pieces, single parts, parallel connections, connections of a part to
+/// itself, precedence cycles, dead ends and problems without a plan (agreement_test.cpp counts them). The same seed
+/// gives the same problem on every machine.
+[[nodiscard]] ProblemSpec random_problem(std::uint64_t seed);
+
+/// A random objective of the given type, a name of kObjectiveTypes or "callable".
+[[nodiscard]] Objective random_objective(std::string_view type, std::uint64_t seed);
+
+}  // namespace orasp
