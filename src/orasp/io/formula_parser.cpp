@@ -128,7 +128,11 @@ class MuParserFormula final : public Formula {
 
   [[nodiscard]] double value(const FormulaVariables& variables) override {
     variables_ = variables;
-    return parser_.Eval();
+    try {
+      return parser_.Eval();
+    } catch (const mu::ParserError& error) {
+      throw InputError(error.GetMsg());
+    }
   }
 
  private:
@@ -145,7 +149,11 @@ std::unique_ptr<Formula> compile_formula(const std::string& text,
         fmt::format("the formula has {} bytes; at most {} are read", text.size(), kLongestFormula));
   }
   refuse_assignments(text);
-  return std::make_unique<MuParserFormula>(text, constants);
+  try {
+    return std::make_unique<MuParserFormula>(text, constants);
+  } catch (const mu::ParserError& error) {
+    throw InputError(error.GetMsg());
+  }
 }
 
 }  // namespace orasp

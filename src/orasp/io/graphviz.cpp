@@ -114,9 +114,10 @@ Path path_of(const StateGraph& graph, std::span<const ConnectionIndex> connectio
     while (action < graph.end(state) && graph.connection(action) != connection) ++action;
     if (action == graph.end(state)) {
       throw InputError(
-          fmt::format("the path to highlight is not in H: after {} steps it handles connection {}, "
-                      "which is not a legal action there",
-                      path.actions.size(), connection));
+          fmt::format("the path to highlight is not in H: after {} step{} it handles connection "
+                      "{}, which is not a "
+                      "legal action there",
+                      path.actions.size(), path.actions.size() == 1 ? "" : "s", connection));
     }
     path.actions.insert(action);
     state = graph.successor(action);

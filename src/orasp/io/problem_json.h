@@ -16,12 +16,14 @@ namespace orasp {
 /// Reads a file. @throws InputError naming the file if it cannot be read, is a directory or is larger than 256 MiB.
 [[nodiscard]] Problem read_problem(const std::filesystem::path& file);
 
-/// The problem as a file: two-space indent, one part, connection or constraint a line, defaults left out
-/// (but for the objective's type). Notes and `x-` keys inside of objects are not kept. Reading it back gives the same digest. @throws InputError for a `callable` objective, which has no text.
+/// The problem as a file: two-space indent, one part, connection or constraint a line, defaults left out (but for the
+/// objective's type). Notes and `x-` keys inside of objects are not kept. Reading it back gives the same digest.
+/// @throws InputError for a `callable` objective, which has no text.
 [[nodiscard]] std::string problem_text(const Problem& problem);
 
-/// SHA-256 (64 hex digits) of the canonical problem: what planning depends on, every default written out; names, notes
-/// and sources left out (docs/format.md writes it out). Of a `callable` objective only the name counts. Two files that differ only in layout, notes or spelled-out defaults have one digest.
+/// SHA-256 (64 hex digits) of the canonical problem, which docs/format.md writes out: what planning depends on, every
+/// default written; names, notes and sources left out. Two files that differ only in layout, notes, spelled-out
+/// defaults or the order of constraints have one digest. Of a `callable` objective only the name counts.
 [[nodiscard]] std::string problem_digest(const Problem& problem);
 
 /// Reads one objective: a JSON object as in a problem file. `place` stands in front of error messages.

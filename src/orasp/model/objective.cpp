@@ -81,12 +81,14 @@ bool fits(const Objective& objective) {
                     objective.parameters);
 }
 
+constexpr std::size_t kLongestName = 64;
+
 bool is_identifier(std::string_view name) {
   const auto letter = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
   };
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  return !name.empty() && letter(name[0]) &&
+  return !name.empty() && name.size() <= kLongestName && letter(name[0]) &&
          std::ranges::all_of(name, [&](char c) { return letter(c) || digit(c); });
 }
 
@@ -97,8 +99,9 @@ void check_expression(const Expression& expression, const std::string& place) {
     const double value = constant.second;
     const std::string constant_place = place + ".constants";
     if (!is_identifier(name)) {
-      fail(constant_place,
-           in_quotes(name) + " is not a name; names are letters, digits and _, not a digit first");
+      fail(constant_place, in_quotes(name) + " is not a name; names are up to " +
+                               std::to_string(kLongestName) +
+                               " letters, digits and _, not a digit first");
     }
     if (std::ranges::any_of(kFormulaVariables,
                             [&](const FormulaVariable& v) { return v.name == name; })) {

@@ -318,6 +318,7 @@ struct Expander::Scratch {
   [[nodiscard]] double counting_reward(const Term& term, const Facts& facts) const;
   [[nodiscard]] double moving_reward(const Term& term, std::size_t index, const Facts& facts,
                                      const Movement& movement);
+  [[nodiscard]] std::span<const Action> legal_actions(SetView open);
   [[nodiscard]] Step full_step(const Facts& facts) const;
 };
 
@@ -349,7 +350,8 @@ SetView Expander::Scratch::present(SetView open) {
   return present_words;
 }
 
-inline Facts Expander::Scratch::counts(ConnectionIndex c, std::size_t num_open) const {
+[[gnu::always_inline]] inline Facts Expander::Scratch::counts(ConnectionIndex c,
+                                                              std::size_t num_open) const {
   Facts facts;
   facts.connection = c;
   facts.before = rules.assembly ? problem.num_connections() - num_open : num_open;
@@ -359,7 +361,8 @@ inline Facts Expander::Scratch::counts(ConnectionIndex c, std::size_t num_open) 
 }
 
 // Disassembly, after connectivity.analyse(): the piece that holds c falls apart into A and B.
-inline Facts Expander::Scratch::removal_facts(ConnectionIndex c, std::size_t num_open) {
+[[gnu::always_inline]] inline Facts Expander::Scratch::removal_facts(ConnectionIndex c,
+                                                                     std::size_t num_open) {
   Facts facts = counts(c, num_open);
   const std::uint32_t below = connectivity.below(c);
   facts.separates = below != 0;
@@ -570,7 +573,8 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
 }
 
 // The objectives that look at nothing but sizes and positions in the plan.
-inline double Expander::Scratch::counting_reward(const Term& term, const Facts& facts) const {
+[[gnu::always_inline]] inline double Expander::Scratch::counting_reward(const Term& term,
+                                                                        const Facts& facts) const {
   switch (term.kind) {
     case TermKind::PieceCost:
       if (facts.completes) return term.q;
@@ -612,6 +616,28 @@ inline double Expander::Scratch::reward(const Facts& facts) {
   return sum;
 }
 
+// After connectivity's analysis of this state.
+std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
+  Action* next = actions.data();
+  const std::size_t num_open = count(open);
+  const bool unconstrained = !rules.cuts_checked && problem.precedence().empty();
+  if (unconstrained && rules.one_counting_term && !rules.assembly) {
+    // The same as below with the questions left out whose answer is known.
+    const Term& term = rules.terms.front();
+    for_each_connection(open, [&](ConnectionIndex c) {
+      *next++ = {c, counting_reward(term, removal_facts(c, num_open))};
+    });
+    return {actions.data(), next};
+  }
+  for_each_connection(open, [&](ConnectionIndex c) {
+    if (contains(rules.constrained, c) && !rules.precedence_met(open, c)) return;
+    const Facts facts = rules.assembly ? joining_facts(c, num_open) : removal_facts(c, num_open);
+    if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
+    *next++ = {c, reward(facts)};
+  });
+  return {actions.data(), next};
+}
+
 Step Expander::Scratch::full_step(const Facts& facts) const {
   Step step;
   step.connection = facts.connection;
@@ -641,18 +667,23 @@ Expander::Expander(Expander&&) noexcept = default;
 
 std::span<const Action> Expander::legal_actions(SetView open) {
   Scratch& s = *scratch_;
-  const TransitionSystem::Rules& rules = s.rules;
-  s.connectivity.analyse(s.present(open), rules.assembly);
-  const std::size_t num_open = count(open);
-  Action* next = s.actions.data();
-  for_each_connection(open, [&](ConnectionIndex c) {
-    if (contains(rules.constrained, c) && !rules.precedence_met(open, c)) return;
-    const Facts facts =
-        rules.assembly ? s.joining_facts(c, num_open) : s.removal_facts(c, num_open);
-    if (rules.cuts_checked && facts.separates && !s.separation_legal(facts)) return;
-    *next++ = {c, s.reward(facts)};
-  });
-  return {s.actions.data(), next};
+  s.connectivity.analyse(s.present(open), s.rules.assembly);
+  return s.legal_actions(open);
+}
+
+void Expander::load(std::span<const std::uint64_t> states) {
+  static_assert(kBatch == detail::Connectivity::kLanes);
+  Scratch& s = *scratch_;
+  if (s.connectivity.takes_batches()) s.connectivity.analyse_batch(states);
+}
+
+std::span<const Action> Expander::loaded_actions(std::span<const std::uint64_t> states,
+                                                 std::size_t i) {
+  Scratch& s = *scratch_;
+  const SetView open = states.subspan(i * s.rules.words, s.rules.words);
+  if (!s.connectivity.takes_batches()) return legal_actions(open);
+  s.connectivity.select(i);
+  return s.legal_actions(open);
 }
 
 Step Expander::step(SetView open, ConnectionIndex connection) {

@@ -44,6 +44,8 @@ std::size_t shards_for(std::size_t actions) {
 // By hash elsewhere, in passes that each run in parallel: scatter the successors' keys to one list for each shard;
 // number each shard's keys, in the order of the layer, in a hash table of its own, small enough for the cache; gather
 // the numbers back into the rows. Radix partitioning: Shatdal, Kant, Naughton (1994), VLDB, 510-521.
+// kWords as in StateTable.
+template <std::size_t kWords>
 class StateGraphBuilder {
  public:
   StateGraphBuilder(const TransitionSystem& system, const Budget& budget)
@@ -55,16 +57,14 @@ class StateGraphBuilder {
         threads_(std::max(1U, budget.threads)) {}
 
   StateGraph build() {
-    if (words_ == 1) {
-      grow<1>();
-    } else {
-      grow<0>();
-    }
+    grow();
     graph_.peak_bytes_ = std::max(peak_, graph_.bytes());
     return std::move(graph_);
   }
 
  private:
+  using Table = detail::StateTable<kWords>;
+
   /// What one thread found out about its run of states.
   struct Run {
     explicit Run(const TransitionSystem& system) : expander(system) {}
@@ -78,10 +78,10 @@ class StateGraphBuilder {
     detail::GrowingArray<std::uint8_t> shards;              ///< by action
   };
 
-  template <std::size_t kWords>
   void grow() {
     const TransitionSystem& system = *graph_.system_;
     const ConnectionSet start = system.start();
+    reserve_address_space();
     graph_.states_.resize(words_);
     std::ranges::copy(start.view(), graph_.states_.data());
     graph_.row_begin_.push_back(0);
@@ -94,16 +94,18 @@ class StateGraphBuilder {
       while (runs.size() < threads) runs.emplace_back(system);
       graph_.row_begin_.resize(begin + size + 1);
       stop_ = expired(memory(runs));
-      if (stop_ == Stop::None) expand(runs, begin, size, threads);
+      if (stop_ == Stop::None) {
+        expand(runs, begin, size, system.num_connections() - layer, threads);
+      }
       if (stop_ == Stop::None) append_rows(runs, begin, size, threads);
       if (stop_ == Stop::None && graph_.row_begin_[begin + size] > graph_.row_begin_[begin]) {
         const std::size_t left = system.num_connections() - layer;
         const std::size_t actions = graph_.row_begin_[begin + size] - graph_.row_begin_[begin];
         if (kWords == 1 &&
-            ranks_.subsets(system.num_connections(), left - 1) <= 4 * actions + kAlwaysRanked) {
+            ranks_.subsets(system.num_connections(), left - 1) <= 2 * actions + kAlwaysRanked) {
           merge_by_rank(begin, size, left - 1, threads);
         } else {
-          merge_by_hash<kWords>(runs, begin, size, threads);
+          merge_by_hash(runs, begin, size, threads);
         }
       }
       if (stop_ != Stop::None) {
@@ -125,7 +127,22 @@ class StateGraphBuilder {
     graph_.rewards_.shrink_to_fit();
   }
 
-  void expand(std::vector<Run>& runs, std::size_t begin, std::size_t size, std::size_t threads) {
+  // Where H cannot become large, room for all of it at once: pages are only taken when they are touched, and an array
+  // that never moves is served with huge ones.
+  void reserve_address_space() {
+    const std::size_t connections = graph_.system_->num_connections();
+    if (connections > 24) return;
+    const std::size_t states = std::size_t{1} << connections;
+    const std::size_t actions = states / 2 * connections;
+    graph_.states_.reserve(states);
+    graph_.row_begin_.reserve(states + 1);
+    graph_.successors_.reserve(actions);
+    graph_.narrow_connections_.reserve(actions);
+    graph_.rewards_.reserve(actions);
+  }
+
+  void expand(std::vector<Run>& runs, std::size_t begin, std::size_t size, std::size_t most_actions,
+              std::size_t threads) {
     const bool numbered = graph_.rewards_.numbered();
     std::atomic<bool> give_up = false;
     std::atomic<Stop> reason = Stop::None;
@@ -136,30 +153,37 @@ class StateGraphBuilder {
       run.reward_numbers.clear();
       run.reward_values.clear();
       const auto [first, last] = detail::share_of(size, threads, t);
-      std::uint64_t written = 0;
-      for (std::size_t i = first; i < last; ++i) {
-        if ((i - first) % kPollEvery == kPollEvery - 1) {
-          const std::uint64_t now =
-              run.connections.bytes() + run.reward_numbers.bytes() + run.reward_values.bytes();
-          bytes += now - written;
-          written = now;
-          // The rows, keys and numbers still to come take as much again and more.
-          if (const Stop stop = expired(2 * bytes); stop != Stop::None) {
-            reason = stop;
-            give_up = true;
+      std::uint64_t counted = 0;
+      for (std::size_t chunk = first; chunk < last && !give_up; chunk += kPollEvery) {
+        const std::size_t states = std::min(kPollEvery, last - chunk);
+        std::size_t next = run.connections.size();
+        run.connections.resize(next + states * most_actions);
+        (numbered ? run.reward_numbers.resize(next + states * most_actions)
+                  : run.reward_values.resize(next + states * most_actions));
+        const auto keys = graph_.states_.span().subspan((begin + chunk) * words_, states * words_);
+        run.expander.for_each_expansion(keys, [&](std::size_t i, std::span<const Action> actions) {
+          graph_.row_begin_[begin + chunk + i + 1] = actions.size();
+          for (const Action& action : actions) {
+            run.connections[next] = static_cast<std::uint16_t>(action.connection);
+            if (numbered) {
+              run.reward_numbers[next] = run.values.number(action.reward);
+            } else {
+              run.reward_values[next] = action.reward;
+            }
+            ++next;
           }
-          if (give_up) return;
-        }
-        const auto actions =
-            run.expander.legal_actions(graph_.state(static_cast<StateId>(begin + i)));
-        graph_.row_begin_[begin + i + 1] = actions.size();
-        for (const Action& action : actions) {
-          run.connections.push_back(static_cast<std::uint16_t>(action.connection));
-          if (numbered) {
-            run.reward_numbers.push_back(run.values.number(action.reward));
-          } else {
-            run.reward_values.push_back(action.reward);
-          }
+        });
+        run.connections.resize(next);
+        (numbered ? run.reward_numbers.resize(next) : run.reward_values.resize(next));
+
+        const std::uint64_t now =
+            run.connections.bytes() + run.reward_numbers.bytes() + run.reward_values.bytes();
+        bytes += now - counted;
+        counted = now;
+        // The rows, keys and numbers still to come take as much again and more.
+        if (const Stop stop = expired(2 * bytes); stop != Stop::None) {
+          reason = stop;
+          give_up = true;
         }
       }
     });
@@ -205,16 +229,14 @@ class StateGraphBuilder {
     peak_ = std::max(peak_, memory(runs));
   }
 
-  template <std::size_t kWords>
   void merge_by_hash(std::vector<Run>& runs, std::size_t begin, std::size_t size,
                      std::size_t threads) {
     const auto rows = graph_.row_begin_.span().subspan(begin, size + 1);
     const std::size_t actions = rows.back() - rows.front();
     const std::size_t shards = shards_for(actions);
     const unsigned shift = 64U - static_cast<unsigned>(std::countr_zero(shards));
-    using Table = detail::StateTable<kWords>;
-    std::vector<Table> tables;
-    for (std::size_t s = 0; s < shards; ++s) tables.emplace_back(words_);
+    while (tables_.size() < shards) tables_.emplace_back(words_);
+    const std::span<Table> tables = std::span(tables_).first(shards);
 
     detail::run_parallel(threads, [&](std::size_t t) {
       Run& run = runs[t];
@@ -243,6 +265,7 @@ class StateGraphBuilder {
     detail::run_parallel(threads, [&](std::size_t t) {
       for (std::size_t shard = t; shard < shards; shard += threads) {
         Table& table = tables[shard];
+        table.clear();
         for (std::size_t r = 0; r < threads; ++r) {
           const auto keys = runs[r].keys[shard].span();
           auto& numbers = runs[r].numbers[shard];
@@ -360,12 +383,14 @@ class StateGraphBuilder {
   std::size_t threads_;
   Stop stop_ = Stop::None;
   std::uint64_t peak_ = 0;
+  std::vector<Table> tables_;  ///< by shard
   detail::SubsetRank ranks_;
   detail::GrowingArray<StateId> table_;  ///< by rank of a subset
 };
 
 StateGraph StateGraph::build(const TransitionSystem& system, const Budget& budget) {
-  return StateGraphBuilder(system, budget).build();
+  return system.words() == 1 ? StateGraphBuilder<1>(system, budget).build()
+                             : StateGraphBuilder<0>(system, budget).build();
 }
 
 std::optional<StateId> StateGraph::goal() const {

@@ -83,6 +83,7 @@ class StateGraph {
   [[nodiscard]] std::uint64_t peak_bytes() const { return peak_bytes_; }
 
  private:
+  template <std::size_t>
   friend class StateGraphBuilder;
   explicit StateGraph(const TransitionSystem& system) : system_(&system), words_(system.words()) {}
 

@@ -11,6 +11,16 @@ namespace {
 
 constexpr std::uint32_t kUnmet = std::numeric_limits<std::uint32_t>::max();
 
+/// The transpose of an 8 x 8 bit matrix, row i in byte i. Reference: Warren, Hacker's Delight, 7-3.
+std::uint64_t transposed(std::uint64_t x) {
+  std::uint64_t t = (x ^ (x >> 7)) & 0x00aa00aa00aa00aaULL;
+  x ^= t ^ (t << 7);
+  t = (x ^ (x >> 14)) & 0x0000cccc0000ccccULL;
+  x ^= t ^ (t << 14);
+  t = (x ^ (x >> 28)) & 0x00000000f0f0f0f0ULL;
+  return x ^ t ^ (t << 28);
+}
+
 }  // namespace
 
 AssemblyGraph::AssemblyGraph(const Problem& problem)
@@ -71,16 +81,18 @@ Connectivity::Connectivity(const AssemblyGraph& graph, bool lists)
     : graph_(graph),
       one_word_(graph.num_connections() <= 64),
       lists_(lists || !graph.is_forest()),
-      below_(graph.num_slots(), 0),
-      piece_(graph.num_slots(), 0),
       lower_end_(graph.num_connections(), 0) {
   const std::size_t parts = graph.num_parts();
   if (!lists_) {
     for (const AssemblyGraph::ForestEdge& edge : graph.forest()) {
       lower_end_[edge.connection] = edge.child;
     }
+    slots_.resize(graph.num_slots());
+    lanes_with_.resize(words_for(graph.num_connections()) * 64);
     return;
   }
+  below_.assign(graph.num_connections(), 0);
+  piece_.assign(graph.num_connections(), 0);
   order_.resize(parts);
   position_.resize(parts);
   subtree_end_.resize(parts);
@@ -97,7 +109,8 @@ Connectivity::Connectivity(const AssemblyGraph& graph, bool lists)
 
 void Connectivity::analyse(SetView present, bool isolated) {
   if (!lists_) {
-    analyse_forest(present);
+    analyse_batch(present);
+    select(0);
     return;
   }
   std::ranges::fill(position_, kUnmet);
@@ -119,35 +132,49 @@ void Connectivity::analyse(SetView present, bool isolated) {
   }
 }
 
-// Sizes of subtrees from the leaves up, then sizes of pieces from the roots down; presence is a
-// mask, not a branch: whether a connection is present is a coin toss to the processor.
-void Connectivity::analyse_forest(SetView present) {
+// Sizes of subtrees from the leaves up, then sizes of pieces from the roots down; presence is a mask, not a branch:
+// whether a connection is present is a coin toss to the processor.
+void Connectivity::analyse_batch(std::span<const std::uint64_t> states) {
+  const std::size_t words = words_for(graph_.num_connections());
+  const std::size_t lanes = states.size() / words;
+  // Bit matrices of 8 states by 8 connections, transposed.
+  for (std::size_t block = 0; block < words * 8; ++block) {
+    std::uint64_t rows = 0;
+    for (std::size_t l = 0; l < lanes; ++l) {
+      rows |= (states[l * words + block / 8] >> (block % 8 * 8) & 0xffU) << (l * 8);
+    }
+    const std::uint64_t columns = transposed(rows);
+    for (std::size_t i = 0; i < 8; ++i) {
+      lanes_with_[block * 8 + i] = static_cast<std::uint8_t>(columns >> (i * 8));
+    }
+    if (block * 8 + 8 >= graph_.num_connections()) break;
+  }
+
   const std::span<const AssemblyGraph::ForestEdge> forest = graph_.forest();
-  const std::uint64_t* const words = present.data();
-  std::uint32_t* const below = below_.data();
-  std::uint32_t* const piece = piece_.data();
-  const auto mask_of = [words](ConnectionIndex c) {
-    return std::uint32_t{0} - static_cast<std::uint32_t>(words[c / 64] >> (c % 64) & 1U);
-  };
-  std::ranges::fill(below_, 1U);
-  for (const ConnectionIndex c : graph_.loops()) below[c] = 0;
+  Slot* const slots = slots_.data();
+  constexpr Lanes kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+  constexpr Lanes kOne = {1, 1, 1, 1, 1, 1, 1, 1};
+  for (Slot& slot : slots_) slot.below = kOne;
+  for (const ConnectionIndex c : graph_.loops()) slots[c].below = Lanes{};
   for (std::size_t i = forest.size(); i-- > 0;) {
     const AssemblyGraph::ForestEdge& edge = forest[i];
-    below[edge.parent_slot] += below[edge.connection] & mask_of(edge.connection);
+    Slot& slot = slots[edge.connection];
+    const std::uint16_t with = lanes_with_[edge.connection];
+    slot.present = (Lanes)((kBit & with) != 0);
+    slots[edge.parent_slot].below += slot.below & slot.present;
   }
   // A piece is counted at its top part, which no present connection holds from above.
-  std::uint32_t tops_with_two = 0;
-  for (std::size_t slot = graph_.num_connections(); slot < below_.size(); ++slot) {
-    piece[slot] = below[slot];
-    tops_with_two += static_cast<std::uint32_t>(below[slot] >= 2);
+  Lanes tops = {};
+  for (std::size_t s = graph_.num_connections(); s < slots_.size(); ++s) {
+    slots[s].piece = slots[s].below;
+    tops -= (Lanes)(slots[s].below > kOne);
   }
   for (const AssemblyGraph::ForestEdge& edge : forest) {
-    const std::uint32_t mask = mask_of(edge.connection);
-    const std::uint32_t own = below[edge.connection];
-    piece[edge.connection] = (piece[edge.parent_slot] & mask) | (own & ~mask);
-    tops_with_two += static_cast<std::uint32_t>(own >= 2) & ~mask;
+    Slot& slot = slots[edge.connection];
+    slot.piece = (slots[edge.parent_slot].piece & slot.present) | (slot.below & ~slot.present);
+    tops -= (Lanes)(slot.below > kOne) & ~slot.present;
   }
-  subassemblies_ = tops_with_two;
+  tops_with_two_.parts = tops;
 }
 
 // A connection separates exactly when nothing in the subtree below it reaches above it otherwise.

@@ -18,12 +18,10 @@ class ValueNumbers {
   [[nodiscard]] std::uint32_t number(double value) {
     const auto bits = std::bit_cast<std::uint64_t>(value);
     Recent& recent = recent_[(bits * 0x9e3779b97f4a7c15ULL) >> 56];
-    if (recent.bits == bits && recent.number != kEmpty)
-      return recent.number;
+    if (recent.bits == bits && recent.number != kEmpty) return recent.number;
     const auto [at, is_new] =
         numbers_.try_emplace(bits, static_cast<std::uint32_t>(values_.size()));
-    if (is_new)
-      values_.push_back(value);
+    if (is_new) values_.push_back(value);
     recent = {bits, at->second};
     return at->second;
   }
@@ -69,8 +67,7 @@ class RewardColumn {
   /// too many. Returns their numbers (meaningless once numbered() is false).
   [[nodiscard]] std::vector<std::uint32_t> admit(const std::vector<double>& values) {
     std::vector<std::uint32_t> numbers;
-    if (!numbered())
-      return numbers;
+    if (!numbered()) return numbers;
     for (const double value : values) {
       numbers.push_back(numbers_.number(value));
       if (numbers_.values().size() > kMostNumbered) {
@@ -80,8 +77,7 @@ class RewardColumn {
     }
     table_ = numbers_.values();
     table_.resize(std::max<std::size_t>(256, table_.size()));  // so that any byte may be looked up
-    if (numbers_.values().size() > 256)
-      widen(2);
+    if (numbers_.values().size() > 256) widen(2);
     return numbers;
   }
   /// Makes room for `count` more; the new ones are written by set_number or set_value.
@@ -96,6 +92,20 @@ class RewardColumn {
         break;
       default:
         plain_.resize(size_);
+        break;
+    }
+  }
+  /// Address space for `count` in all, at the present width.
+  void reserve(std::size_t count) {
+    switch (width_) {
+      case 1:
+        narrow_.reserve(count);
+        break;
+      case 2:
+        wide_.reserve(count);
+        break;
+      default:
+        plain_.reserve(count);
         break;
     }
   }
@@ -131,16 +141,13 @@ class RewardColumn {
 
  private:
   void widen(std::size_t width) {
-    if (width <= width_)
-      return;
+    if (width <= width_) return;
     if (width == 2) {
       wide_.resize(size_);
-      for (std::size_t i = 0; i < size_; ++i)
-        wide_[i] = narrow_[i];
+      for (std::size_t i = 0; i < size_; ++i) wide_[i] = narrow_[i];
     } else {
       plain_.resize(size_);
-      for (std::size_t i = 0; i < size_; ++i)
-        plain_[i] = (*this)[i];
+      for (std::size_t i = 0; i < size_; ++i) plain_[i] = (*this)[i];
       wide_ = {};
     }
     narrow_ = {};
