@@ -9,8 +9,8 @@
 
 namespace orasp::cli {
 
-/// A JSON document as a file, two-space indent; bytes that are not UTF-8 become U+FFFD. Ends with a
-/// newline.
+/// A JSON document as a file: a line for each member, and for each object or array in a list; bytes
+/// that are not UTF-8 become U+FFFD. Ends with a newline.
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& document);
 
 /// Writes `document` to the file `output`, unless that is empty, and prints it if `json`, else

@@ -195,9 +195,10 @@ class CommandLine {
   [[nodiscard]] std::string sentence(const CLI::ParseError& error) const {
     const std::string message = error.what();
     const std::string name = message.substr(0, message.find_first_of(": "));
+    if (error.get_name() == "ArgumentMismatch" && app_.get_option_no_throw("--" + name) != nullptr)
+      return fmt::format("--{} takes no value", name);
     const CLI::Option* const option = app_.get_option_no_throw(name);
     if (option == nullptr) return message;
-    if (option->get_type_size() == 0) return name + " takes no value";
     return needs_value(name, option->get_type_name());
   }
   void refuse_extras() const {

@@ -29,9 +29,11 @@ constexpr std::uint64_t kSeeds = kBlocks * kSeedsInBlock;
 /// All seeds, a block a test.
 class Agreement : public testing::TestWithParam<int> {
  protected:
-  void for_each_seed(const std::function<void(const ProblemSpec&, const oracle::OracleResult&)>& check) {
+  void for_each_seed(
+      const std::function<void(const ProblemSpec&, const oracle::OracleResult&)>& check) {
     for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
-      const ProblemSpec spec = random_problem(static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i);
+      const ProblemSpec spec =
+          random_problem(static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i);
       SCOPED_TRACE(spec.name);
       check(spec, oracle::brute_force(spec));
       if (HasFailure()) return;
@@ -93,7 +95,8 @@ TEST_P(Agreement, EveryPlannerIsRightAboutEveryProblem) {
     two_threads.threads = 2;
     for (const Planner& planner : planners()) {
       if (!planner.available()) continue;
-      if (planner.max_connections != 0 && problem.num_connections() > planner.max_connections) continue;
+      if (planner.max_connections != 0 && problem.num_connections() > planner.max_connections)
+        continue;
       SCOPED_TRACE(std::string(planner.name));
       try {
         const Result result = solve(problem, planner.name);
@@ -176,7 +179,8 @@ TEST_P(Agreement, OracleAgreesWithPlainEnumeration) {
 /// Adds the types of an objective and of what it sums.
 void add_types(const Objective& objective, bool inside_sum, std::set<std::string>& features) {
   features.insert("objective " + objective.type + (inside_sum ? " in a sum" : ""));
-  if (const auto* cost = std::get_if<PieceCost>(&objective.parameters); cost != nullptr && objective.type == "piece_cost") {
+  if (const auto* cost = std::get_if<PieceCost>(&objective.parameters);
+      cost != nullptr && objective.type == "piece_cost") {
     if (cost->completion < 0) features.insert("negative completion");
     if (!cost->pieces.contains(1)) features.insert("a size without a cost");
   }
@@ -199,10 +203,12 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   features.insert(truth.feasible ? "feasible" : "infeasible");
   if (world.start_infeasible()) features.insert("infeasible start");
   if (truth.feasible && truth.dead_ends > 0) features.insert("feasible with dead ends");
-  if (!truth.feasible && !world.start_infeasible() && !TransitionSystem(Problem(spec)).infeasibility()) {
+  if (!truth.feasible && !world.start_infeasible() &&
+      !TransitionSystem(Problem(spec)).infeasibility()) {
     features.insert("infeasible, found by search only");
   }
-  if (truth.feasible && truth.best - truth.worst > 1e-6) features.insert("plans of different rewards");
+  if (truth.feasible && truth.best - truth.worst > 1e-6)
+    features.insert("plans of different rewards");
 
   std::map<std::string, int> entries;
   for (const Precedence& entry : spec.precedence) {
@@ -214,14 +220,16 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   if (reason && reason->constraint == Constraint::Precedence) features.insert("precedence cycle");
 
   const Limits& limits = spec.limits;
-  const int number = (limits.max_subassemblies ? 1 : 0) + (limits.max_moved_parts ? 1 : 0) + (limits.max_moved_mass ? 1 : 0);
+  const int number = (limits.max_subassemblies ? 1 : 0) + (limits.max_moved_parts ? 1 : 0) +
+                     (limits.max_moved_mass ? 1 : 0);
   const std::string alone = number == 1 ? " alone" : "";
   if (limits.max_subassemblies) features.insert("max_subassemblies" + alone);
   if (limits.max_moved_parts) features.insert("max_moved_parts" + alone);
   if (limits.max_moved_mass) features.insert("max_moved_mass" + alone);
   if (number == 3) features.insert("all limits");
   if (spec.blocking) {
-    features.insert("blocking with " + std::to_string(spec.blocking->directions.size()) + " directions");
+    features.insert("blocking with " + std::to_string(spec.blocking->directions.size()) +
+                    " directions");
   }
 
   std::set<std::set<std::string>> pairs;
@@ -233,15 +241,17 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
     }
   }
   std::set<std::string> joined;
-  for (const Connection& connection : spec.connections) joined.insert(connection.parts.begin(), connection.parts.end());
+  for (const Connection& connection : spec.connections)
+    joined.insert(connection.parts.begin(), connection.parts.end());
   for (const Part& part : spec.parts) {
     features.insert(part.position ? "a position" : "no position");
     if (!joined.contains(part.id)) features.insert("part without a connection");
   }
 
   // What happens in its states: several pieces at the start, steps that each rule forbids, ties of the moved piece.
-  const std::array<std::string, 6> rules = {"precedence (after)", "precedence (after_any)", "max_subassemblies",
-                                            "max_moved_parts", "max_moved_mass", "blocking"};
+  const std::array<std::string, 6> rules = {"precedence (after)", "precedence (after_any)",
+                                            "max_subassemblies",  "max_moved_parts",
+                                            "max_moved_mass",     "blocking"};
   for (const auto& [state, value] : truth.best_to_go) {
     for (std::size_t c = 0; c < state.size(); ++c) {
       if (!state[c]) continue;
@@ -249,15 +259,18 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
       for (const oracle::Rule rule : facts.broken) {
         features.insert("a step forbidden by " + rules[static_cast<std::size_t>(rule)]);
         if (facts.broken.size() == 1) {
-          features.insert("a step forbidden by nothing but " + rules[static_cast<std::size_t>(rule)]);
+          features.insert("a step forbidden by nothing but " +
+                          rules[static_cast<std::size_t>(rule)]);
         }
       }
       if (facts.separates && facts.a.size() == facts.b.size()) {
-        features.insert(facts.moved_mass == facts.kept_mass                       ? "tie of the moved piece"
-                        : std::abs(facts.moved_mass - facts.kept_mass) < 1e-9 ? "tie of the moved piece by rounding"
-                                                                                  : "moved piece by mass");
+        features.insert(facts.moved_mass == facts.kept_mass ? "tie of the moved piece"
+                        : std::abs(facts.moved_mass - facts.kept_mass) < 1e-9
+                            ? "tie of the moved piece by rounding"
+                            : "moved piece by mass");
       }
-      if (facts.separates && facts.moved.size() > 1) features.insert("a moved piece of several parts");
+      if (facts.separates && facts.moved.size() > 1)
+        features.insert("a moved piece of several parts");
     }
   }
   const Problem problem(spec);
@@ -313,11 +326,12 @@ TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
       {"moved piece by mass", 60},
   };
   for (const std::string_view type : kObjectiveTypes) wanted["objective " + std::string(type)] = 40;
-  for (const std::string_view type : kObjectiveTypes) wanted["objective " + std::string(type) + " in a sum"] = 3;
+  for (const std::string_view type : kObjectiveTypes)
+    wanted["objective " + std::string(type) + " in a sum"] = 3;
   wanted["objective callable"] = 40;
   for (int n = 0; n <= 8; ++n) wanted[std::to_string(n) + " connections"] = 15;
-  for (const char* rule : {"precedence (after)", "precedence (after_any)", "max_subassemblies", "max_moved_parts",
-                           "max_moved_mass", "blocking"}) {
+  for (const char* rule : {"precedence (after)", "precedence (after_any)", "max_subassemblies",
+                           "max_moved_parts", "max_moved_mass", "blocking"}) {
     wanted["a step forbidden by " + std::string(rule)] = 20;
     wanted["a step forbidden by nothing but " + std::string(rule)] = 10;
   }

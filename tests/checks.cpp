@@ -7,8 +7,8 @@
 
 namespace orasp {
 
-void expect_honest(const Problem& problem, const oracle::OracleResult& truth, const Planner& planner,
-                   const Result& result) {
+void expect_honest(const Problem& problem, const oracle::OracleResult& truth,
+                   const Planner& planner, const Result& result) {
   // `auto` answers in the name of the method that it chose.
   const bool chosen = planner.name == "auto" && result.method != "auto";
   const bool exact = chosen ? find_planner(result.method).exact : planner.exact;
@@ -22,7 +22,8 @@ void expect_honest(const Problem& problem, const oracle::OracleResult& truth, co
     const oracle::OracleReplay replay = oracle::replay(problem.spec(), result.sequence);
     EXPECT_TRUE(replay.valid);
     EXPECT_NEAR(result.reward, replay.reward, reward_tolerance(replay.reward));
-    const Evaluation evaluation = evaluate(problem, std::span<const ConnectionIndex>(result.sequence));
+    const Evaluation evaluation =
+        evaluate(problem, std::span<const ConnectionIndex>(result.sequence));
     EXPECT_TRUE(evaluation.valid);
     EXPECT_NEAR(result.reward, evaluation.reward, reward_tolerance(replay.reward));
     EXPECT_LE(result.reward, truth.best + reward_tolerance(truth.best));
@@ -54,7 +55,8 @@ void expect_honest(const Problem& problem, const oracle::OracleResult& truth, co
     const Status found = proved ? Status::Optimal : Status::Feasible;
     EXPECT_EQ(status_name(result.status), status_name(truth.feasible ? found : Status::Infeasible));
   } else {
-    EXPECT_TRUE(result.status == Status::Feasible || result.status == Status::Unknown) << status_name(result.status);
+    EXPECT_TRUE(result.status == Status::Feasible || result.status == Status::Unknown)
+        << status_name(result.status);
   }
   EXPECT_GE(result.statistics.seconds, 0);
 }
@@ -80,10 +82,12 @@ void expect_same_answer(const Result& one, const Result& other) {
 
 bool range_is_known(const Objective& objective) {
   if (objective.type == "expression") return false;
-  if (const auto* callable = std::get_if<Callable>(&objective.parameters)) return std::isfinite(callable->greatest);
+  if (const auto* callable = std::get_if<Callable>(&objective.parameters))
+    return std::isfinite(callable->greatest);
   if (const auto* sum = std::get_if<WeightedSum>(&objective.parameters)) {
-    return std::all_of(sum->terms.begin(), sum->terms.end(),
-                       [](const WeightedObjective& term) { return range_is_known(term.objective); });
+    return std::all_of(sum->terms.begin(), sum->terms.end(), [](const WeightedObjective& term) {
+      return range_is_known(term.objective);
+    });
   }
   return true;
 }

@@ -19,8 +19,8 @@ namespace orasp {
 /// Everything that must hold of any answer of any planner to `problem`, stopped or not: a plan is legal and its reward
 /// is right (by the oracle and by evaluate()), claims of optimality and infeasibility and the bound are true, and a
 /// planner that was not stopped has settled what it must. `truth` is brute_force() of the problem.
-void expect_honest(const Problem& problem, const oracle::OracleResult& truth, const Planner& planner,
-                   const Result& result);
+void expect_honest(const Problem& problem, const oracle::OracleResult& truth,
+                   const Planner& planner, const Result& result);
 
 /// Two runs answered the same: everything but times and sizes.
 void expect_same_answer(const Result& one, const Result& other);

@@ -11,7 +11,8 @@
 namespace orasp::instances {
 
 /// Parts "1" to "N" and connections "i-j" of the pairs given.
-[[nodiscard]] inline ProblemSpec assembly(std::size_t parts, const std::vector<std::pair<int, int>>& pairs) {
+[[nodiscard]] inline ProblemSpec assembly(std::size_t parts,
+                                          const std::vector<std::pair<int, int>>& pairs) {
   ProblemSpec spec;
   for (std::size_t p = 1; p <= parts; ++p) {
     Part part;
@@ -27,27 +28,41 @@ namespace orasp::instances {
 }
 
 ///   (nothing)            the empty plan, reward 0
-[[nodiscard]] inline ProblemSpec nothing() { return assembly(0, {}); }
+[[nodiscard]] inline ProblemSpec nothing() {
+  return assembly(0, {});
+}
 
 ///   1                    the empty plan, reward 0
-[[nodiscard]] inline ProblemSpec one_part() { return assembly(1, {}); }
+[[nodiscard]] inline ProblemSpec one_part() {
+  return assembly(1, {});
+}
 
 ///   1 - 2                one step, which completes: 1
-[[nodiscard]] inline ProblemSpec one_connection() { return assembly(2, {{1, 2}}); }
+[[nodiscard]] inline ProblemSpec one_connection() {
+  return assembly(2, {{1, 2}});
+}
 
 ///   1 )                  a part joined to itself: one step that separates nothing and completes: 1
-[[nodiscard]] inline ProblemSpec self_connection() { return assembly(1, {{1, 1}}); }
+[[nodiscard]] inline ProblemSpec self_connection() {
+  return assembly(1, {{1, 1}});
+}
 
 ///   1 - 2 - 3            either end first: -(0.0967 + 0.1248) + 1 = 0.7785, the only reward there is
-[[nodiscard]] inline ProblemSpec chain_of_three() { return assembly(3, {{1, 2}, {2, 3}}); }
+[[nodiscard]] inline ProblemSpec chain_of_three() {
+  return assembly(3, {{1, 2}, {2, 3}});
+}
 
 ///   1 - 2   3 - 4        two products: -(0.0967 + 0.0967) + 1 = 0.8066
-[[nodiscard]] inline ProblemSpec two_pieces() { return assembly(4, {{1, 2}, {3, 4}}); }
+[[nodiscard]] inline ProblemSpec two_pieces() {
+  return assembly(4, {{1, 2}, {3, 4}});
+}
 
 ///   1 - 2 - 3 - 4        Greedy must fail here. In the middle first: -(0.1248 + 0.1248) - (0.0967 + 0.0967) + 1 = 0.5570,
 ///                        the optimum. At an end first: -(0.0967 + 0.1368) - (0.0967 + 0.1248) + 1 = 0.5450; but its
 ///                        first step costs 0.2335 and not 0.2496, so greedy takes it.
-[[nodiscard]] inline ProblemSpec greedy_trap() { return assembly(4, {{1, 2}, {2, 3}, {3, 4}}); }
+[[nodiscard]] inline ProblemSpec greedy_trap() {
+  return assembly(4, {{1, 2}, {2, 3}, {3, 4}});
+}
 
 ///   1 - 2                1-2 after 2-3, 2-3 after 1-3, 1-3 after 1-2: a cycle of precedence, so no plan.
 ///    \ /

@@ -8,10 +8,15 @@
 namespace orasp::oracle {
 namespace {
 
-constexpr double kSame = 1e-9;  // numbers that differ by less, relatively, are the same number to a user
+constexpr double kSame =
+    1e-9;  // numbers that differ by less, relatively, are the same number to a user
 
-bool same(double x, double y) { return std::abs(x - y) <= kSame * std::max(std::abs(x), std::abs(y)); }
-bool less(double x, double y) { return x < y && !same(x, y); }
+bool same(double x, double y) {
+  return std::abs(x - y) <= kSame * std::max(std::abs(x), std::abs(y));
+}
+bool less(double x, double y) {
+  return x < y && !same(x, y);
+}
 
 template <class Item>
 std::size_t position(const std::vector<Item>& items, const std::string& id) {
@@ -43,7 +48,8 @@ Parts together(const Parts& a, const Parts& b) {
 /// A recursive-descent evaluator.
 class Evaluator {
  public:
-  Evaluator(const std::string& text, const std::map<std::string, double>& names) : text_(text), names_(names) {}
+  Evaluator(const std::string& text, const std::map<std::string, double>& names)
+      : text_(text), names_(names) {}
 
   double whole() {
     const double value = sum();
@@ -93,7 +99,9 @@ class Evaluator {
       at_ += end;
       return value;
     }
-    while (end < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[end])) != 0 || text_[end] == '_')) ++end;
+    while (end < text_.size() &&
+           (std::isalnum(static_cast<unsigned char>(text_[end])) != 0 || text_[end] == '_'))
+      ++end;
     const std::string name = text_.substr(at_, end - at_);
     at_ = end;
     return names_.at(name);
@@ -123,7 +131,8 @@ World::World(const ProblemSpec& spec) : spec_(spec) {
   for (const Precedence& entry : spec_.precedence) {
     Clause clause{position(spec_.connections, entry.connection), {}, {}};
     for (const std::string& id : entry.after) clause.after.insert(position(spec_.connections, id));
-    for (const std::string& id : entry.after_any) clause.after_any.insert(position(spec_.connections, id));
+    for (const std::string& id : entry.after_any)
+      clause.after_any.insert(position(spec_.connections, id));
     clauses_.push_back(std::move(clause));
   }
   if (spec_.blocking) {
@@ -190,23 +199,28 @@ std::set<Rule> World::broken_precedence(const State& larger, std::size_t connect
   const auto still_there = [&](std::size_t c) { return bool{larger[c]}; };
   for (const Clause& clause : clauses_) {
     if (clause.connection != connection) continue;
-    if (std::any_of(clause.after.begin(), clause.after.end(), still_there)) broken.insert(Rule::Precedence);
-    if (!clause.after_any.empty() && std::all_of(clause.after_any.begin(), clause.after_any.end(), still_there)) {
+    if (std::any_of(clause.after.begin(), clause.after.end(), still_there))
+      broken.insert(Rule::Precedence);
+    if (!clause.after_any.empty() &&
+        std::all_of(clause.after_any.begin(), clause.after_any.end(), still_there)) {
       broken.insert(Rule::PrecedenceAny);
     }
   }
   return broken;
 }
 
-std::set<Rule> World::broken_rules(const State& larger, const State& smaller, const Facts& facts) const {
+std::set<Rule> World::broken_rules(const State& larger, const State& smaller,
+                                   const Facts& facts) const {
   std::set<Rule> broken = broken_precedence(larger, facts.connection);
   if (!facts.separates) return broken;  // bound by precedence alone
   const Limits& limits = spec_.limits;
   if (limits.max_subassemblies && subassemblies(smaller) > *limits.max_subassemblies) {
     broken.insert(Rule::MaxSubassemblies);
   }
-  if (limits.max_moved_parts && facts.moved.size() > *limits.max_moved_parts) broken.insert(Rule::MaxMovedParts);
-  if (limits.max_moved_mass && less(*limits.max_moved_mass, facts.moved_mass)) broken.insert(Rule::MaxMovedMass);
+  if (limits.max_moved_parts && facts.moved.size() > *limits.max_moved_parts)
+    broken.insert(Rule::MaxMovedParts);
+  if (limits.max_moved_mass && less(*limits.max_moved_mass, facts.moved_mass))
+    broken.insert(Rule::MaxMovedMass);
   if (spec_.blocking) {
     const auto is_free = [&](const std::string& direction) {
       for (const Block& block : blocks_.at(direction)) {
@@ -282,7 +296,8 @@ double World::distance(const Parts& piece, const Vector3& depot) const {
 double World::reward(const Objective& objective, const Facts& facts) const {
   const std::size_t a = facts.a.size();
   const std::size_t b = facts.b.size();
-  const auto by_size = [&](double operation, const std::map<std::size_t, double>& pieces, double completion) {
+  const auto by_size = [&](double operation, const std::map<std::size_t, double>& pieces,
+                           double completion) {
     if (facts.completes) return completion;
     if (!facts.separates) return -operation;
     double cost = operation;
@@ -318,7 +333,8 @@ double World::reward(const Objective& objective, const Facts& facts) const {
     const auto& p = std::get<TimeObjective>(objective.parameters);
     double seconds = spec_.connections[facts.connection].duration;
     if (facts.separates) {
-      seconds += positions_known(facts.moved) ? 2 * distance(facts.moved, p.depot) / p.speed : p.transfer;
+      seconds +=
+          positions_known(facts.moved) ? 2 * distance(facts.moved, p.depot) / p.speed : p.transfer;
     }
     return -seconds;
   }
@@ -351,7 +367,8 @@ double World::reward(const Objective& objective, const Facts& facts) const {
     names["subassemblies"] = static_cast<double>(facts.subassemblies);
     names["duration"] = spec_.connections[facts.connection].duration;
     names["index"] = static_cast<double>(facts.connection);
-    names["distance"] = facts.separates && positions_known(facts.moved) ? distance(facts.moved, p.depot) : 0;
+    names["distance"] =
+        facts.separates && positions_known(facts.moved) ? distance(facts.moved, p.depot) : 0;
     return formula_value(p.formula, names);
   }
   if (objective.type == "callable") {
@@ -390,7 +407,9 @@ struct Node {
   std::vector<std::pair<std::size_t, double>> actions;  ///< connection and reward; only in visit()
 };
 
-Node goal_node() { return {true, 0, 0, 1, 1, {}}; }
+Node goal_node() {
+  return {true, 0, 0, 1, 1, {}};
+}
 
 void add_branch(Node& node, double reward, const Node& below) {
   node.nodes += below.nodes;
@@ -401,7 +420,8 @@ void add_branch(Node& node, double reward, const Node& below) {
   node.worst = std::min(node.worst, reward + below.worst);
 }
 
-const Node& visit(const World& world, const State& open, std::map<State, Node>& known, OracleResult& result) {
+const Node& visit(const World& world, const State& open, std::map<State, Node>& known,
+                  OracleResult& result) {
   if (const auto found = known.find(open); found != known.end()) return found->second;
   const std::size_t layer = world.num_connections() - number_of(open);
   if (result.layers.size() <= layer) result.layers.resize(layer + 1);

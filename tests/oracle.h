@@ -33,7 +33,14 @@ using Parts = std::set<std::size_t>;
   return set;
 }
 
-enum class Rule { Precedence, PrecedenceAny, MaxSubassemblies, MaxMovedParts, MaxMovedMass, Blocking };
+enum class Rule {
+  Precedence,
+  PrecedenceAny,
+  MaxSubassemblies,
+  MaxMovedParts,
+  MaxMovedMass,
+  Blocking
+};
 
 /// Everything about handling one connection, legal or not.
 struct Facts {
@@ -42,7 +49,8 @@ struct Facts {
   std::size_t after = 0;
   bool separates = false;
   bool completes = false;
-  Parts a;      ///< the piece of the connection's first part; empty unless it separates, as all that follows
+  Parts
+      a;  ///< the piece of the connection's first part; empty unless it separates, as all that follows
   Parts b;
   Parts moved;
   double moved_mass = 0;
@@ -79,7 +87,8 @@ class World {
   [[nodiscard]] double mass_of(const Parts& piece) const;
   [[nodiscard]] bool first_moves(const Parts& a, const Parts& b) const;
   [[nodiscard]] std::set<Rule> broken_precedence(const State& larger, std::size_t connection) const;
-  [[nodiscard]] std::set<Rule> broken_rules(const State& larger, const State& smaller, const Facts& facts) const;
+  [[nodiscard]] std::set<Rule> broken_rules(const State& larger, const State& smaller,
+                                            const Facts& facts) const;
   [[nodiscard]] double reward(const Objective& objective, const Facts& facts) const;
   [[nodiscard]] double distance(const Parts& piece, const Vector3& depot) const;
   [[nodiscard]] bool positions_known(const Parts& piece) const;
@@ -94,15 +103,16 @@ class World {
 /// What is true of a problem's H and H~, by visiting every state.
 struct OracleResult {
   bool feasible = false;
-  double best = -std::numeric_limits<double>::infinity();   ///< greatest reward of a plan
+  double best = -std::numeric_limits<double>::infinity();  ///< greatest reward of a plan
   double worst = std::numeric_limits<double>::infinity();  ///< least reward of a plan
   std::uint64_t states = 0;
   std::uint64_t actions = 0;
   std::uint64_t dead_ends = 0;
   std::uint64_t tree_nodes = 0;
   std::uint64_t sequences = 0;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> layers;  ///< states and actions by connections handled
-  std::map<State, double> best_to_go;      ///< -infinity where the goal cannot be reached
+  std::vector<std::pair<std::uint64_t, std::uint64_t>>
+      layers;                          ///< states and actions by connections handled
+  std::map<State, double> best_to_go;  ///< -infinity where the goal cannot be reached
   std::map<State, double> best_from_start;
 };
 
@@ -115,12 +125,15 @@ struct OracleResult {
 struct OracleReplay {
   bool valid = false;
   double reward = 0;
-  std::vector<Facts> steps;  ///< up to the first one that cannot be made at all (out of range, or handled before)
+  std::vector<Facts>
+      steps;  ///< up to the first one that cannot be made at all (out of range, or handled before)
 };
 
-[[nodiscard]] OracleReplay replay(const ProblemSpec& spec, const std::vector<ConnectionIndex>& sequence);
+[[nodiscard]] OracleReplay replay(const ProblemSpec& spec,
+                                  const std::vector<ConnectionIndex>& sequence);
 
 /// Value of a formula made of + - * / ( ), numbers and the names given.
-[[nodiscard]] double formula_value(const std::string& text, const std::map<std::string, double>& names);
+[[nodiscard]] double formula_value(const std::string& text,
+                                   const std::map<std::string, double>& names);
 
 }  // namespace orasp::oracle

@@ -27,13 +27,16 @@ class Draw {
   [[nodiscard]] Item one_of(const std::vector<Item>& items) {
     return items[between(0, items.size() - 1)];
   }
-  [[nodiscard]] double real(double least, double greatest) { return least + (greatest - least) * random_.uniform(); }
+  [[nodiscard]] double real(double least, double greatest) {
+    return least + (greatest - least) * random_.uniform();
+  }
   [[nodiscard]] Vector3 point() {  // a small raster, so that distances tie
     return {real_step(), real_step(), real_step()};
   }
   template <class Item>
   void shuffle(std::vector<Item>& items) {
-    for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[between(0, i - 1)]);
+    for (std::size_t i = items.size(); i > 1; --i)
+      std::swap(items[i - 1], items[between(0, i - 1)]);
   }
   [[nodiscard]] std::uint64_t seed() { return random_.next(); }
 
@@ -44,9 +47,10 @@ class Draw {
 };
 
 std::string random_formula(Draw& draw) {
-  const std::vector<std::string> names = {"before",     "after",     "separates", "completes",     "moved_parts",
-                                          "kept_parts", "moved_mass", "kept_mass", "subassemblies", "duration",
-                                          "index",      "distance",   "alpha",     "beta"};
+  const std::vector<std::string> names = {"before",        "after",      "separates",  "completes",
+                                          "moved_parts",   "kept_parts", "moved_mass", "kept_mass",
+                                          "subassemblies", "duration",   "index",      "distance",
+                                          "alpha",         "beta"};
   const std::vector<std::string> numbers = {"1", "2", "0.25", "1.5", "3", "0.1"};
   const auto factor = [&]() -> std::string {
     if (draw.chance(0.3)) return "(" + draw.one_of(names) + " - " + draw.one_of(numbers) + ")";
@@ -58,7 +62,9 @@ std::string random_formula(Draw& draw) {
     if (t > 0) formula += draw.chance(0.5) ? " + " : " - ";
     formula += draw.one_of(numbers) + "*" + factor();
     if (draw.chance(0.4)) formula += "*" + factor();
-    if (draw.chance(0.3)) formula += "/(1 + " + draw.one_of(std::vector<std::string>(names.begin(), names.end() - 2)) + ")";
+    if (draw.chance(0.3))
+      formula +=
+          "/(1 + " + draw.one_of(std::vector<std::string>(names.begin(), names.end() - 2)) + ")";
   }
   return formula;
 }
@@ -84,20 +90,22 @@ Objective random_objective(std::string_view type, Draw& draw, int depth) {
     }
     objective.parameters = cost;
   } else if (type == "time") {
-    objective.parameters = TimeObjective{.depot = draw.point(), .speed = draw.real(0.2, 3), .transfer = draw.real(0, 2)};
+    objective.parameters = TimeObjective{
+        .depot = draw.point(), .speed = draw.real(0.2, 3), .transfer = draw.real(0, 2)};
   } else if (type == "travel") {
     objective.parameters = Travel{.depot = draw.point()};
   } else if (type == "fuel") {
-    objective.parameters =
-        Fuel{.dry_mass = draw.real(1, 10), .delta_v = draw.real(0, 200), .isp = draw.real(100, 1000)};
+    objective.parameters = Fuel{
+        .dry_mass = draw.real(1, 10), .delta_v = draw.real(0, 200), .isp = draw.real(100, 1000)};
   } else if (type == "completion") {
-    objective.parameters =
-        CompletionObjective{.join = draw.real(-5, 10), .step = draw.real(-1, 2), .bonus = draw.real(-20, 20)};
+    objective.parameters = CompletionObjective{
+        .join = draw.real(-5, 10), .step = draw.real(-1, 2), .bonus = draw.real(-20, 20)};
   } else if (type == "expression") {
-    objective.parameters = Expression{.formula = random_formula(draw),
-                                      .constants = {{"alpha", draw.real(-2, 2)}, {"beta", draw.real(-2, 2)}},
-                                      .depot = draw.point(),
-                                      .compiler = compile_formula};
+    objective.parameters =
+        Expression{.formula = random_formula(draw),
+                   .constants = {{"alpha", draw.real(-2, 2)}, {"beta", draw.real(-2, 2)}},
+                   .depot = draw.point(),
+                   .compiler = compile_formula};
   } else if (type == "callable") {
     Callable callable{.name = "step_score", .reward = step_score};
     if (draw.chance(0.5)) {
@@ -110,7 +118,8 @@ Objective random_objective(std::string_view type, Draw& draw, int depth) {
     const std::size_t terms = draw.between(1, 3);
     for (std::size_t t = 0; t < terms; ++t) {
       const double weight = draw.one_of<double>({1, -1, 0.5, -2, 0, 0.1});
-      std::string_view inner = draw.one_of(std::vector<std::string_view>(kObjectiveTypes.begin(), kObjectiveTypes.end()));
+      std::string_view inner = draw.one_of(
+          std::vector<std::string_view>(kObjectiveTypes.begin(), kObjectiveTypes.end()));
       if (inner == "sum" && depth >= 2) inner = "indexed";
       if (inner == "expression" && draw.chance(0.5)) inner = "cubesat_zone";
       sum.terms.push_back({weight, random_objective(inner, draw, depth + 1)});
@@ -125,14 +134,16 @@ Objective random_objective(std::string_view type, Draw& draw, int depth) {
 bool needs_positions(const Objective& objective) {
   if (objective.type == "travel") return true;
   const auto* sum = std::get_if<WeightedSum>(&objective.parameters);
-  return sum != nullptr && std::any_of(sum->terms.begin(), sum->terms.end(),
-                                       [](const WeightedObjective& term) { return needs_positions(term.objective); });
+  return sum != nullptr &&
+         std::any_of(sum->terms.begin(), sum->terms.end(),
+                     [](const WeightedObjective& term) { return needs_positions(term.objective); });
 }
 
 void add_parts(ProblemSpec& spec, Draw& draw) {
   const std::size_t parts = draw.chance(0.02) ? 0 : draw.between(1, 7);
   const std::size_t mass_kind = draw.between(0, 2);
-  const double positioned = needs_positions(spec.objective) ? 1.0 : draw.one_of<double>({0.0, 1.0, 0.8});
+  const double positioned =
+      needs_positions(spec.objective) ? 1.0 : draw.one_of<double>({0.0, 1.0, 0.8});
   for (std::size_t p = 0; p < parts; ++p) {
     Part part;
     part.id = "p" + std::to_string(p);
@@ -158,7 +169,8 @@ void add_connections(ProblemSpec& spec, Draw& draw) {
     if (first == second && draw.chance(0.5)) continue;
     ends.emplace_back(first, second);
   }
-  if (!ends.empty() && ends.size() < 8 && draw.chance(0.15)) ends.push_back(draw.one_of(ends));  // parallel
+  if (!ends.empty() && ends.size() < 8 && draw.chance(0.15))
+    ends.push_back(draw.one_of(ends));  // parallel
   draw.shuffle(ends);
   const bool named = draw.chance(0.3);
   std::set<std::string> taken;
@@ -212,8 +224,10 @@ void add_precedence(ProblemSpec& spec, Draw& draw) {
 
 void add_limits(ProblemSpec& spec, Draw& draw) {
   const double likely = draw.one_of<double>({0.0, 0.0, 0.4, 0.8});
-  if (draw.chance(likely)) spec.limits.max_subassemblies = draw.between(0, 9) == 0 ? 0 : draw.between(1, 3);
-  if (draw.chance(likely)) spec.limits.max_moved_parts = draw.between(0, 9) == 0 ? 0 : draw.between(1, 2);
+  if (draw.chance(likely))
+    spec.limits.max_subassemblies = draw.between(0, 9) == 0 ? 0 : draw.between(1, 3);
+  if (draw.chance(likely))
+    spec.limits.max_moved_parts = draw.between(0, 9) == 0 ? 0 : draw.between(1, 2);
   if (draw.chance(likely)) spec.limits.max_moved_mass = draw.one_of<double>({0.3, 0.6, 1, 2, 2.5});
 }
 
@@ -240,8 +254,10 @@ void add_blocking(ProblemSpec& spec, Draw& draw) {
         if (in_space) {
           const auto axis = static_cast<std::size_t>(direction[1] - 'x');
           bool same_row = true;
-          for (std::size_t other = 0; other < 3; ++other) same_row &= other == axis || cells[i][other] == cells[j][other];
-          const bool in_front = direction[0] == '+' ? cells[j][axis] > cells[i][axis] : cells[j][axis] < cells[i][axis];
+          for (std::size_t other = 0; other < 3; ++other)
+            same_row &= other == axis || cells[i][other] == cells[j][other];
+          const bool in_front = direction[0] == '+' ? cells[j][axis] > cells[i][axis]
+                                                    : cells[j][axis] < cells[i][axis];
           if (same_row && in_front) blocked.directions.push_back(direction);
         } else if (i < j && draw.chance(density)) {
           blocked.directions.push_back(direction);
@@ -266,7 +282,8 @@ ProblemSpec random_problem(std::uint64_t seed) {
   spec.name = "random problem " + std::to_string(seed);
   std::vector<std::string_view> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
   types.push_back("callable");
-  spec.objective = random_objective(types[seed % types.size()], draw, 0);  // every type equally often
+  spec.objective =
+      random_objective(types[seed % types.size()], draw, 0);  // every type equally often
   if (draw.chance(0.4)) spec.direction = Direction::Assembly;
   add_parts(spec, draw);
   add_connections(spec, draw);

@@ -43,8 +43,7 @@ struct Planner {
 [[nodiscard]] const Planner& find_planner(std::string_view name);
 
 /// Runs the planner called `method` (see planners()). Every plan it returns is legal;
-/// Status::Optimal only with proof. A problem that infeasibility() settles is answered without
-/// running anything. Exceptions: InputError only.
+/// Status::Optimal only with proof. Exceptions: InputError only.
 ///
 ///     const Problem problem = orasp::load_scenario("hubble");
 ///     const Result result = orasp::solve(problem, "value-iteration");

@@ -102,6 +102,10 @@ TEST(Formula, RefusesConstantsWithTheNameOfAFunction) {
             "the constant \"_pi\" has the name of a function or constant of every formula");
 }
 
+TEST(Formula, RefusesConstantsWithNamesThatMuParserCannotHold) {
+  EXPECT_NE(fault("1", {{std::string(200, 'a'), 1}}), "no fault");
+}
+
 TEST(Formula, TakesLongAndDeepFormulasUpToItsLimit) {
   EXPECT_EQ(value(std::string(4990, '(') + "1" + std::string(4990, ')')), 1);
   EXPECT_EQ(fault(std::string(10'001, '1')), "the formula has 10001 bytes; at most 10000 are read");

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/bellman_ford_shortest_paths.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 #include <gtest/gtest.h>
 
@@ -21,18 +21,30 @@
 namespace orasp {
 namespace {
 
-using BoostGraph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
-                                         boost::property<boost::edge_weight_t, double>>;
+struct Length {
+  double length = 0;
+};
+using BoostGraph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, Length>;
 
 /// H with the length shift - reward on every action.
 BoostGraph lengths(const StateGraph& graph, double shift) {
-  BoostGraph result(graph.num_states());
+  std::vector<std::pair<StateId, StateId>> edges;
+  std::vector<Length> properties;
   for (StateId s = 0; s < graph.num_states(); ++s) {
     for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
-      boost::add_edge(s, graph.successor(a), shift - graph.reward(a), result);
+      edges.emplace_back(s, graph.successor(a));
+      properties.push_back({shift - graph.reward(a)});
     }
   }
-  return result;
+  return {boost::edges_are_sorted, edges.begin(), edges.end(), properties.begin(),
+          graph.num_states()};
+}
+
+/// Named parameters of both algorithms: where the distances go and what an edge measures.
+auto parameters(const BoostGraph& graph, std::vector<double>& distance) {
+  return boost::distance_map(
+             boost::make_iterator_property_map(distance.begin(), get(boost::vertex_index, graph)))
+      .weight_map(get(&Length::length, graph));
 }
 
 void expect_same_paths(const Problem& problem) {
@@ -44,9 +56,8 @@ void expect_same_paths(const Problem& problem) {
   const BoostGraph plain = lengths(graph, 0);
   std::vector<double> distance(graph.num_states(), std::numeric_limits<double>::max());
   distance[0] = 0;
-  ASSERT_TRUE(boost::bellman_ford_shortest_paths(
-      plain, static_cast<int>(graph.num_states()),
-      boost::distance_map(boost::make_iterator_property_map(distance.begin(), boost::get(boost::vertex_index, plain)))));
+  ASSERT_TRUE(boost::bellman_ford_shortest_paths(plain, static_cast<int>(graph.num_states()),
+                                                 parameters(plain, distance)));
   const Result all = bellman_ford(graph, {}, Budget{});
   ASSERT_EQ(all.values.size(), graph.num_states());
   for (StateId s = 0; s < graph.num_states(); ++s) {
@@ -60,9 +71,9 @@ void expect_same_paths(const Problem& problem) {
   const double shift = graph.greatest_reward();
   const BoostGraph shifted = lengths(graph, shift);
   std::vector<double> length(graph.num_states());
-  boost::dijkstra_shortest_paths(
-      shifted, 0, boost::distance_map(boost::make_iterator_property_map(length.begin(), boost::get(boost::vertex_index, shifted))));
-  const double best = static_cast<double>(problem.num_connections()) * shift - length[*graph.goal()];
+  boost::dijkstra_shortest_paths(shifted, StateId{0}, parameters(shifted, length));
+  const double best =
+      static_cast<double>(problem.num_connections()) * shift - length[*graph.goal()];
   EXPECT_NEAR(result.reward, best, 1e-8 * std::max(1.0, std::abs(shift)));
   EXPECT_NEAR(all.reward, best, 1e-8 * std::max(1.0, std::abs(shift)));
 }

@@ -59,7 +59,8 @@ TEST(RandomSequence, DrawsEachActionOfAStateEquallyOften) {
   const Problem problem(chain(4));
   const TransitionSystem system(problem);
   std::map<std::vector<ConnectionIndex>, int> times;
-  for (std::uint64_t seed = 0; seed < 6000; ++seed) ++times[random_sequence(system, {.seed = seed}, Budget{}).sequence];
+  for (std::uint64_t seed = 0; seed < 6000; ++seed)
+    ++times[random_sequence(system, {.seed = seed}, Budget{}).sequence];
   EXPECT_EQ(times.size(), 6U);
   for (const auto& [sequence, number] : times) EXPECT_NEAR(number, 1000, 150);
 }
@@ -69,7 +70,8 @@ TEST(RandomSequence, GoesBackFromADeadEnd) {
   const Problem problem(instances::sandwich());
   const TransitionSystem system(problem);
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
-    EXPECT_EQ(random_sequence(system, {.seed = seed}, Budget{}).sequence, (std::vector<ConnectionIndex>{1, 2, 0}));
+    EXPECT_EQ(random_sequence(system, {.seed = seed}, Budget{}).sequence,
+              (std::vector<ConnectionIndex>{1, 2, 0}));
   }
 }
 
@@ -90,7 +92,8 @@ TEST(Exhaustive, RefusesMoreThanTwelveConnections) {
     FAIL() << "no error";
   } catch (const InputError& error) {
     const std::string text = error.what();
-    for (const char* word : {"12", "13", "value-iteration"}) EXPECT_NE(text.find(word), std::string::npos) << text;
+    for (const char* word : {"12", "13", "value-iteration"})
+      EXPECT_NE(text.find(word), std::string::npos) << text;
   }
 }
 

@@ -1,5 +1,6 @@
 // Every row of the tables of measured and published values (`cubesat` by exhaustive search; see docs/algorithms.md).
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
@@ -20,7 +21,8 @@
 namespace orasp {
 namespace {
 
-constexpr const char* kExactMethods[] = {"value-iteration", "dijkstra", "bellman-ford", "orasp-search"};
+constexpr const char* kExactMethods[] = {"value-iteration", "dijkstra", "bellman-ford",
+                                         "orasp-search"};
 
 /// Least reward of a complete plan: H in order of generation, so each state after all that lead to it.
 double worst_reward(const StateGraph& graph) {
@@ -44,7 +46,9 @@ struct Row {
   double worst;  ///< NaN where the table has none
 };
 
-std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name; }
+std::ostream& operator<<(std::ostream& out, const Row& row) {
+  return out << row.name;
+}
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -60,7 +64,8 @@ class KnownValues : public testing::TestWithParam<Row> {
     if (!name.ends_with(".json")) return;
     file_ = shared_folder() + "/problems/" + name;
     if (!std::filesystem::exists(file_)) {
-      GTEST_SKIP() << "no file " << file_ << "; set ORASP_SHARED to the folder that holds problems/";
+      GTEST_SKIP() << "no file " << file_
+                   << "; set ORASP_SHARED to the folder that holds problems/";
     }
   }
   [[nodiscard]] Problem problem() const {
@@ -91,7 +96,8 @@ TEST_P(KnownValues, BestPlanOfEachExactMethod) {
     const Result result = solve(the_problem, method);
     ASSERT_EQ(status_name(result.status), "optimal");
     EXPECT_NEAR(result.reward, GetParam().best, 1e-9);
-    const Evaluation evaluation = evaluate(the_problem, std::span<const ConnectionIndex>(result.sequence));
+    const Evaluation evaluation =
+        evaluate(the_problem, std::span<const ConnectionIndex>(result.sequence));
     EXPECT_TRUE(evaluation.valid);
     EXPECT_NEAR(evaluation.reward, GetParam().best, 1e-9);
     const oracle::OracleReplay replay = oracle::replay(the_problem.spec(), result.sequence);
@@ -110,7 +116,8 @@ std::string name_of(const testing::TestParamInfo<Row>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, KnownValues,
                          testing::Values(Row{"3piece", 8, 12, 0.7785, 0.7785},
-                                         Row{"4brick", 8, 12, 0.5570, 0.5450}, Row{"4piece", 16, 32, 0.5570, 0.5450},
+                                         Row{"4brick", 8, 12, 0.5570, 0.5450},
+                                         Row{"4piece", 16, 32, 0.5570, 0.5450},
                                          Row{"2x3", 96, 304, 0.3636, 0.0900},
                                          Row{"lattice", 1'296, 6'048, 0.0735, -0.4617},
                                          Row{"hubble", 12'096, 67'824, -0.9902, -1.6502}),
@@ -122,7 +129,8 @@ INSTANTIATE_TEST_SUITE_P(Large, KnownValues,
 INSTANTIATE_TEST_SUITE_P(Blocking, KnownValues,
                          testing::Values(Row{"lego/lego-011.json", 8'192, 53'248, -0.4100, -1.3316},
                                          Row{"lego/lego-023.json", 1'488, 7'256, 0.0735, -0.3249},
-                                         Row{"lego/lego-069.json", 9'688, 56'504, -0.1199, -0.7799}),
+                                         Row{"lego/lego-069.json", 9'688, 56'504, -0.1199,
+                                             -0.7799}),
                          name_of);
 
 struct ObjectiveRow {
@@ -135,16 +143,21 @@ struct ObjectiveRow {
   double completion;
 };
 
-std::ostream& operator<<(std::ostream& out, const ObjectiveRow& row) { return out << row.scenario; }
+std::ostream& operator<<(std::ostream& out, const ObjectiveRow& row) {
+  return out << row.scenario;
+}
 
 class KnownValuesOfObjectives : public testing::TestWithParam<ObjectiveRow> {};
 
 TEST_P(KnownValuesOfObjectives, BestPlanOfEachExactMethod) {
   const ObjectiveRow& row = GetParam();
   const Problem problem = load_scenario(row.scenario);
-  const std::vector<std::pair<const char*, double>> bests = {
-      {"cubesat_zone", row.cubesat_zone}, {"custom", row.custom}, {"indexed", row.indexed},
-      {"time", row.time},                 {"fuel", row.fuel},     {"completion", row.completion}};
+  const std::vector<std::pair<const char*, double>> bests = {{"cubesat_zone", row.cubesat_zone},
+                                                             {"custom", row.custom},
+                                                             {"indexed", row.indexed},
+                                                             {"time", row.time},
+                                                             {"fuel", row.fuel},
+                                                             {"completion", row.completion}};
   for (const auto& [type, best] : bests) {
     const Problem changed = problem.with_objective(Objective::named(type));
     for (const char* method : kExactMethods) {
@@ -164,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(
                     ObjectiveRow{"2x3", 0.497600, -6.600000, 13, -12, -1.001866, 1493},
                     ObjectiveRow{"lattice", 0.207500, -10.100000, 34, -20, -1.602985, 1788},
                     ObjectiveRow{"hubble", -0.856200, -21.800000, 91, -38, -3.807090, 2881}),
-    [](const auto& info) { return "of_" + std::string(info.param.scenario); });
+    [](const auto& row) { return "of_" + std::string(row.param.scenario); });
 
 /// H of a scenario without its precedence.
 GraphSize size_without_precedence(const std::string& name) {

@@ -21,7 +21,8 @@ TEST(OraspSearch, IsExactWithRewardsOfBothSigns) {
     for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
       for (const char* type : {"indexed", "completion", "cubesat", "cubesat_zone"}) {
         SCOPED_TRACE(std::string(name) + ", " + type);
-        const Problem problem = load_scenario(name).with_direction(direction).with_objective(Objective::named(type));
+        const Problem problem =
+            load_scenario(name).with_direction(direction).with_objective(Objective::named(type));
         const TransitionSystem system(problem);
         const double best = value_iteration(system, {}, Budget{}).reward;
         const Result result = orasp_search(system, {}, Budget{});
@@ -63,8 +64,12 @@ TEST(OraspSearch, GivesATrueBoundWhereverItIsStopped) {
     SCOPED_TRACE(limit);
     ASSERT_TRUE(result.has_plan());
     EXPECT_LE(result.reward, 0.0735 + 1e-9);
-    if (result.bound) EXPECT_GE(*result.bound, 0.0735 - 1e-9);
-    if (result.stop != Stop::None) EXPECT_EQ(status_name(result.status), "feasible");
+    if (result.bound) {
+      EXPECT_GE(*result.bound, 0.0735 - 1e-9);
+    }
+    if (result.stop != Stop::None) {
+      EXPECT_EQ(status_name(result.status), "feasible");
+    }
   }
 }
 
@@ -88,7 +93,9 @@ TEST(OraspSearch, SaysWhichMethodsNeedNoBound) {
 TEST(OraspSearch, TakesACallableWithARange) {
   ProblemSpec spec = instances::greedy_trap();
   Callable callable{.name = "moved", .reward = [](const Step& step) {
-                      return step.separates ? -static_cast<double>(step.moved().size() * step.moved().size()) : 0.0;
+                      return step.separates
+                                 ? -static_cast<double>(step.moved().size() * step.moved().size())
+                                 : 0.0;
                     }};
   spec.objective = {"callable", callable};
   EXPECT_THROW((void)orasp_search(TransitionSystem(Problem(spec)), {}, Budget{}), InputError);

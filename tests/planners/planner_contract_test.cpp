@@ -28,7 +28,8 @@ class PlannerContract : public testing::TestWithParam<std::size_t> {
     if (!planner().available()) GTEST_SKIP() << planner().name << " is not part of this build";
   }
   [[nodiscard]] const Planner& planner() const { return planners()[GetParam()]; }
-  [[nodiscard]] Result run(const Problem& problem, const Budget& budget = {}, const Options& options = {}) const {
+  [[nodiscard]] Result run(const Problem& problem, const Budget& budget = {},
+                           const Options& options = {}) const {
     return solve(problem, planner().name, options, budget);
   }
   /// Runs it on a problem small enough for brute force and checks all that must hold of the answer.
@@ -57,7 +58,8 @@ class PlannerContract : public testing::TestWithParam<std::size_t> {
 constexpr double kHubble = -0.9902;
 
 TEST_P(PlannerContract, EmptyAssemblyHasTheEmptyPlan) {
-  for (const ProblemSpec& spec : {instances::nothing(), instances::one_part(), instances::assembly(3, {})}) {
+  for (const ProblemSpec& spec :
+       {instances::nothing(), instances::one_part(), instances::assembly(3, {})}) {
     for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
       ProblemSpec turned = spec;
       turned.direction = direction;
@@ -79,8 +81,12 @@ TEST_P(PlannerContract, SolvesTheTinyAssemblies) {
 
 TEST_P(PlannerContract, ExactMethodsSeeThroughTheGreedyTrap) {
   const Result result = run_checked(instances::greedy_trap());
-  if (planner().exact) EXPECT_NEAR(result.reward, 0.5570, 1e-12);
-  if (planner().name == "greedy") EXPECT_NEAR(result.reward, 0.5450, 1e-12);
+  if (planner().exact) {
+    EXPECT_NEAR(result.reward, 0.5570, 1e-12);
+  }
+  if (planner().name == "greedy") {
+    EXPECT_NEAR(result.reward, 0.5450, 1e-12);
+  }
 }
 
 TEST_P(PlannerContract, FindsThePlanBehindADeadEnd) {
@@ -100,7 +106,8 @@ TEST_P(PlannerContract, SaysThatTheStartHasTooManySubassemblies) {
     const Result result = run_checked(spec);
     EXPECT_EQ(status_name(result.status), "infeasible");
     ASSERT_FALSE(result.notes.empty());
-    EXPECT_NE(result.notes.front().find("2 subassemblies"), std::string::npos) << result.notes.front();
+    EXPECT_NE(result.notes.front().find("2 subassemblies"), std::string::npos)
+        << result.notes.front();
   }
 }
 
@@ -126,8 +133,9 @@ TEST_P(PlannerContract, IsRepeatable) {
   expect_same_answer(result, run(problem, {}, options));
 }
 
+// hubble-upc: 243,787 states, enough for layers to be shared between threads.
 TEST_P(PlannerContract, ThreadsDoNotChangeTheAnswer) {
-  const Problem problem = load_scenario("hubble");
+  const Problem problem = load_scenario("hubble-upc");
   if (planner().max_connections != 0) return;
   Budget two;
   two.threads = 2;
@@ -170,10 +178,33 @@ TEST_P(PlannerContract, StopsWhenCancelledBeforeTheStart) {
   }
 }
 
+// Interrupted from outside while it works, at its third word of progress.
+TEST_P(PlannerContract, StopsWhenCancelledOnTheWay) {
+  const Problem problem = load_scenario("hubble-free");
+  if (planner().max_connections != 0) return;
+  std::stop_source source;
+  int calls = 0;
+  Budget budget;
+  budget.stop = source.get_token();
+  budget.progress = [&](const Progress&) {
+    if (++calls == 3) source.request_stop();
+  };
+  const Result result = run(problem, budget);
+  expect_legal(problem, result);
+  EXPECT_NE(status_name(result.status), "infeasible");
+  if (planner().exact) {
+    EXPECT_GE(calls, 3) << "no progress was reported";
+    EXPECT_EQ(stop_name(result.stop), "interrupted");
+    EXPECT_TRUE(result.has_plan());
+    EXPECT_NE(status_name(result.status), "optimal");
+  }
+}
+
 // Every limit on expansions gives an honest answer; without one the planner says what brute force says.
 TEST_P(PlannerContract, IsHonestAtEveryExpansionLimit) {
-  for (const ProblemSpec& spec : {instances::greedy_trap(), instances::sandwich(), instances::boxed_in(),
-                                  instances::assembly(5, {{1, 2}, {2, 3}, {3, 4}, {4, 5}, {1, 5}})}) {
+  for (const ProblemSpec& spec :
+       {instances::greedy_trap(), instances::sandwich(), instances::boxed_in(),
+        instances::assembly(5, {{1, 2}, {2, 3}, {3, 4}, {4, 5}, {1, 5}})}) {
     for (const std::uint64_t limit : {0U, 1U, 2U, 3U, 5U, 8U, 13U, 21U, 34U, 55U, 1000U}) {
       SCOPED_TRACE(limit);
       Budget budget;
@@ -238,7 +269,8 @@ TEST_P(PlannerContract, RefusesOrSurvivesAChainOf500Parts) {
     EXPECT_NE(text.find(planner().name), std::string::npos) << text;
     bool names_another = false;
     for (const Planner& other : planners()) {
-      const bool usable = !other.builds_graph && other.max_connections == 0 && other.name != planner().name;
+      const bool usable =
+          !other.builds_graph && other.max_connections == 0 && other.name != planner().name;
       names_another |= usable && text.find(other.name) != std::string::npos;
     }
     EXPECT_TRUE(names_another) << text;
@@ -257,12 +289,14 @@ TEST_P(PlannerContract, ARewardThatIsNotANumberIsAnInputError) {
                                                    .depot = {},
                                                    .compiler = compile_formula}};
   EXPECT_THROW((void)run(Problem(expression)), InputError);
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     ProblemSpec callable = instances::greedy_trap();
-    callable.objective = {"callable", Callable{.name = "bad",
-                                               .reward = [bad](const Step& s) { return s.before == 2 ? bad : 0; },
-                                               .least = -1,
-                                               .greatest = 1}};
+    callable.objective = {
+        "callable", Callable{.name = "bad",
+                             .reward = [bad](const Step& s) { return s.before == 2 ? bad : 0; },
+                             .least = -1,
+                             .greatest = 1}};
     EXPECT_THROW((void)run(Problem(callable)), InputError);
   }
 }
@@ -276,15 +310,16 @@ TEST_P(PlannerContract, KeepsNothingBetweenCalls) {
   expect_same_answer(before, run(first));
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, PlannerContract, testing::Range<std::size_t>(0, planners().size()),
-                         [](const auto& info) {
-                           std::string name(planners()[info.param].name);
+INSTANTIATE_TEST_SUITE_P(Catalogue, PlannerContract,
+                         testing::Range<std::size_t>(0, planners().size()), [](const auto& row) {
+                           std::string name(planners()[row.param].name);
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
 
 TEST(Catalogue, HoldsThePlannersOfTheContractOnce) {
-  for (const char* name : {"value-iteration", "dijkstra", "bellman-ford", "orasp-search", "exhaustive"}) {
+  for (const char* name :
+       {"value-iteration", "dijkstra", "bellman-ford", "orasp-search", "exhaustive"}) {
     EXPECT_TRUE(find_planner(name).exact) << name;
   }
   for (const char* name : {"greedy", "random"}) EXPECT_FALSE(find_planner(name).exact) << name;
@@ -304,7 +339,8 @@ TEST(Catalogue, NamesTheMethodsThereAreForAnUnknownOne) {
   } catch (const InputError& error) {
     const std::string text = error.what();
     EXPECT_NE(text.find("unknown method 'astr'"), std::string::npos) << text;
-    for (const Planner& planner : planners()) EXPECT_NE(text.find(planner.name), std::string::npos) << text;
+    for (const Planner& planner : planners())
+      EXPECT_NE(text.find(planner.name), std::string::npos) << text;
   }
 }
 

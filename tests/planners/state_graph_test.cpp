@@ -1,8 +1,12 @@
 #include "orasp/planners/state_graph.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -27,7 +31,8 @@ TEST(StateGraph, HoldsTheStatesOfTheSandwich) {
   EXPECT_EQ(count(graph.state(*graph.goal())), 0U);
   EXPECT_EQ(graph.greatest_reward(), 1);
   std::multiset<double> rewards;
-  for (ActionId a = 0; a < graph.num_actions(); ++a) rewards.insert(std::round(graph.reward(a) * 1e4));
+  for (ActionId a = 0; a < graph.num_actions(); ++a)
+    rewards.insert(std::round(graph.reward(a) * 1e4));
   EXPECT_EQ(rewards, (std::multiset<double>{-2215, 0, 0, 10000}));
   const GraphSize size = graph_size(graph);
   EXPECT_EQ(size.dead_ends, 1U);
@@ -80,7 +85,8 @@ void expect_same_graph(const StateGraph& one, const StateGraph& other) {
 // rewards and with many.
 TEST(StateGraph, IsTheSameForAnyNumberOfThreads) {
   ProblemSpec spec = grid(3, 4);  // 17 connections
-  for (std::size_t p = 0; p < spec.parts.size(); ++p) spec.parts[p].mass = 1 + 0.37 * static_cast<double>(p);
+  for (std::size_t p = 0; p < spec.parts.size(); ++p)
+    spec.parts[p].mass = 1 + 0.37 * static_cast<double>(p);
   spec.limits.max_moved_parts = 4;
   spec.precedence = {{"1-2", {"11-12"}, {}}};
   ProblemSpec wide = grid(2, 6);  // 16 connections, behind 60 that go in one order
@@ -108,6 +114,68 @@ TEST(StateGraph, IsTheSameForAnyNumberOfThreads) {
         expect_same_graph(one, StateGraph::build(system, budget));
       }
     }
+  }
+}
+
+/// A number that differs between most steps of a large problem.
+double fingerprint(const Step& step) {
+  double sum = static_cast<double>(step.connection) + 1e-3 * static_cast<double>(step.before);
+  for (const PartIndex part : step.a) sum += std::pow(1.31, part);
+  for (const PartIndex part : step.b) sum -= std::pow(1.57, part);
+  return sum;
+}
+
+// Rewards are kept in 1 byte an action while they take at most 256 values, in 2 up to 65,536, in 8 beyond: all three, and
+// every one must be what the Expander says, in order.
+TEST(StateGraph, HoldsEveryRewardHoweverManyDifferentOnesThereAre) {
+  ProblemSpec spec = grid(3, 4);  // 17 connections, 131,072 states, 1,114,112 actions
+  for (std::size_t c = 0; c < 17; ++c)
+    spec.connections[c].duration = 1 + 0.37 * static_cast<double>(c);
+  const auto check = [&spec](Objective objective, std::size_t least, std::size_t most,
+                             unsigned threads) {
+    spec.objective = std::move(objective);
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    Budget budget;
+    budget.threads = threads;
+    const StateGraph graph = StateGraph::build(system, budget);
+    ASSERT_EQ(graph.num_states(), 131'072U);
+    Expander expander(system);
+    std::vector<double> different;
+    for (StateId s = 0; s < graph.num_states(); ++s) {
+      const auto actions = expander.legal_actions(graph.state(s));
+      ASSERT_EQ(actions.size(), graph.end(s) - graph.begin(s));
+      for (std::size_t i = 0; i < actions.size(); ++i) {
+        ASSERT_EQ(graph.connection(graph.begin(s) + i), actions[i].connection);
+        ASSERT_EQ(graph.reward(graph.begin(s) + i), actions[i].reward);
+        different.push_back(actions[i].reward);
+      }
+    }
+    std::ranges::sort(different);
+    EXPECT_EQ(graph.greatest_reward(), different.back());
+    const auto repeats = std::ranges::unique(different);
+    different.erase(repeats.begin(), repeats.end());
+    EXPECT_GE(different.size(), least);
+    EXPECT_LE(different.size(), most);
+  };
+  check(Objective::named("cubesat"), 2, 256, 1);
+  check({"time", TimeObjective{.depot = {0.3, 7, 1}, .speed = 0.7}}, 257, 65'536, 2);
+  check({"callable", Callable{.name = "fingerprint", .reward = fingerprint}}, 65'537, 2'000'000, 2);
+}
+
+// A reward that is not a number in a layer that several threads share.
+TEST(StateGraph, AnErrorInAThreadReachesTheCaller) {
+  ProblemSpec spec = load_scenario("hubble-upc").spec();
+  spec.objective = {"callable",
+                    Callable{.name = "bad", .reward = [](const Step& step) {
+                               return step.before == 9 && step.connection == 3 ? std::nan("") : 0.0;
+                             }}};
+  const Problem problem(spec);
+  const TransitionSystem system(problem);
+  for (const unsigned threads : {1U, 2U, 4U}) {
+    Budget budget;
+    budget.threads = threads;
+    EXPECT_THROW((void)StateGraph::build(system, budget), InputError);
   }
 }
 
@@ -140,9 +208,11 @@ TEST(StateGraph, StoppedEarlyHoldsWholeLayers) {
   ASSERT_LT(part.num_layers(), whole.num_layers());
   EXPECT_LT(part.num_states(), whole.num_states());
   EXPECT_FALSE(part.goal().has_value());
-  for (std::size_t k = 0; k < part.num_layers(); ++k) EXPECT_EQ(part.layer_end(k), whole.layer_end(k));
+  for (std::size_t k = 0; k < part.num_layers(); ++k)
+    EXPECT_EQ(part.layer_end(k), whole.layer_end(k));
   for (StateId s = 0; s < part.num_states(); ++s) {
-    for (ActionId a = part.begin(s); a < part.end(s); ++a) EXPECT_LT(part.successor(a), part.num_states());
+    for (ActionId a = part.begin(s); a < part.end(s); ++a)
+      EXPECT_LT(part.successor(a), part.num_states());
   }
 }
 
@@ -150,7 +220,8 @@ TEST(StateGraph, HoldsAtMost16BytesAStateAnd6AnAction) {
   const Problem problem = load_scenario("hubble-free");
   const TransitionSystem system(problem);
   const StateGraph graph = StateGraph::build(system, Budget{});
-  const double allowed = 16.0 * static_cast<double>(graph.num_states()) + 6.0 * static_cast<double>(graph.num_actions());
+  const double allowed = 16.0 * static_cast<double>(graph.num_states()) +
+                         6.0 * static_cast<double>(graph.num_actions());
   EXPECT_LE(static_cast<double>(graph.bytes()), 1.001 * allowed);
   EXPECT_GE(graph.peak_bytes(), graph.bytes());
 }
@@ -205,7 +276,9 @@ Problem rows_in_order(std::size_t lines, std::size_t length) {
       Connection connection;
       connection.id = std::to_string(line) + "." + std::to_string(i);
       connection.parts = {"1", "1"};
-      if (i > 0) spec.precedence.push_back({connection.id, {std::to_string(line) + "." + std::to_string(i - 1)}, {}});
+      if (i > 0)
+        spec.precedence.push_back(
+            {connection.id, {std::to_string(line) + "." + std::to_string(i - 1)}, {}});
       spec.connections.push_back(connection);
     }
   }
@@ -219,10 +292,10 @@ std::string sequences_of(const Problem& problem) {
 
 // 20 connections fit 64 bits, 34 fit 128, beyond that numbers of any size.
 TEST(GraphSize, CountsSequencesBeyondEveryMachineWord) {
-  EXPECT_EQ(sequences_of(rows_in_order(2, 10)), "184756");                           // 20! / (10!)^2
-  EXPECT_EQ(sequences_of(rows_in_order(3, 7)), "399072960");                         // 21! / (7!)^3
-  EXPECT_EQ(sequences_of(rows_in_order(2, 17)), "2333606220");                       // 34! / (17!)^2
-  EXPECT_EQ(sequences_of(rows_in_order(6, 5)), "88832646059788350720");  // 30! / (5!)^6 > 2^64
+  EXPECT_EQ(sequences_of(rows_in_order(2, 10)), "184756");                 // 20! / (10!)^2
+  EXPECT_EQ(sequences_of(rows_in_order(3, 7)), "399072960");               // 21! / (7!)^3
+  EXPECT_EQ(sequences_of(rows_in_order(2, 17)), "2333606220");             // 34! / (17!)^2
+  EXPECT_EQ(sequences_of(rows_in_order(6, 5)), "88832646059788350720");    // 30! / (5!)^6 > 2^64
   EXPECT_EQ(sequences_of(rows_in_order(5, 7)), "3177459078523411968000");  // 35! / (7!)^5
   // 90! / (30!)^3 > 2^128
   EXPECT_EQ(sequences_of(rows_in_order(3, 30)), "79607789567531236214574346454361782651136");

@@ -42,7 +42,8 @@ TEST_F(ValueIterationOnLattice, InitialValuesDoNotMatterInTheEnd) {
   const Result from_zero = value_iteration(graph_, {}, Budget{});
   for (const double initial : {2.0, -1000.0, 1e6}) {
     for (const Order order : {Order::Layers, Order::Textbook}) {
-      const Result result = value_iteration(graph_, {.order = order, .initial_value = initial}, Budget{});
+      const Result result =
+          value_iteration(graph_, {.order = order, .initial_value = initial}, Budget{});
       EXPECT_EQ(status_name(result.status), "optimal");
       EXPECT_EQ(result.values, from_zero.values);
       EXPECT_EQ(result.sequence, from_zero.sequence);
@@ -54,14 +55,18 @@ TEST_F(ValueIterationOnLattice, InitialValuesDoNotMatterInTheEnd) {
 // for the start.
 TEST_F(ValueIterationOnLattice, TextbookOrderStoppedEarlyIsNotOptimal) {
   for (std::uint64_t sweeps = 1; sweeps <= 11; ++sweeps) {
-    const Result result = value_iteration(graph_, {.order = Order::Textbook, .max_sweeps = sweeps}, Budget{});
+    const Result result =
+        value_iteration(graph_, {.order = Order::Textbook, .max_sweeps = sweeps}, Budget{});
     EXPECT_EQ(status_name(result.status), "feasible") << sweeps;
     EXPECT_EQ(result.statistics.sweeps, sweeps);
     EXPECT_LE(result.reward, 0.0735 + 1e-9);
-    if (result.bound) EXPECT_GE(*result.bound, 0.0735 - 1e-9);
+    if (result.bound) {
+      EXPECT_GE(*result.bound, 0.0735 - 1e-9);
+    }
     const StateId last_layers = graph_.layer_begin(graph_.num_layers() - 1 - sweeps);
     const Result all = value_iteration(graph_, {}, Budget{});
-    for (StateId s = last_layers; s < graph_.num_states(); ++s) EXPECT_EQ(result.values[s], all.values[s]);
+    for (StateId s = last_layers; s < graph_.num_states(); ++s)
+      EXPECT_EQ(result.values[s], all.values[s]);
   }
 }
 
@@ -74,7 +79,8 @@ TEST_F(ValueIterationOnLattice, OneSweepInLayerOrderIsAProof) {
 
 // With an epsilon above every change the textbook order stops after one sweep, without proof.
 TEST_F(ValueIterationOnLattice, AWideEpsilonIsNotAProof) {
-  const Result result = value_iteration(graph_, {.order = Order::Textbook, .epsilon = 1e9}, Budget{});
+  const Result result =
+      value_iteration(graph_, {.order = Order::Textbook, .epsilon = 1e9}, Budget{});
   EXPECT_EQ(result.statistics.sweeps, 1U);
   EXPECT_EQ(status_name(result.status), "feasible");
 }

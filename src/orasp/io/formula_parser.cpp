@@ -77,11 +77,11 @@ std::string explained(const mu::ParserBase& parser, const std::string& text,
     case mu::ecMISSING_PARENS:
       return "a closing parenthesis is missing";
     case mu::ecMISSING_ELSE_CLAUSE:
-      return "a \"?\" has no \":\"";
+      return R"(a "?" has no ":")";
     case mu::ecMISPLACED_COLON:
-      return "a \":\" has no \"?\"";
+      return R"(a ":" has no "?")";
     case mu::ecUNEXPECTED_CONDITIONAL:
-      return "a \"?\" or \":\" follows no value";
+      return R"(a "?" or ":" follows no value)";
     default:
       break;
   }

@@ -132,7 +132,7 @@ PlanFile read_plan_object(JsonValue root, Direction direction) {
                                  in_quotes(format->string()), kFormat));
   }
   if (!wanted && !other)
-    throw InputError("the key \"disassembly\" or \"assembly\" is missing, one of them is needed");
+    throw InputError(R"(the key "disassembly" or "assembly" is missing, one of them is needed)");
 
   PlanFile plan;
   if (digest) {

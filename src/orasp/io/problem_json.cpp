@@ -195,7 +195,7 @@ Connection read_connection(JsonValue value, const Place& place) {
   Connection connection;
   members.read("id", connection.id, read_id);
   const auto parts = members.read_required("parts", [](JsonValue list, const Place& list_place) {
-    const auto ids = read_array(list, list_place, "an array of two part ids", read_id);
+    auto ids = read_array(list, list_place, "an array of two part ids", read_id);
     if (ids.size() != 2)
       fail(list_place, fmt::format("expected two part ids, found {}", ids.size()));
     return ids;
@@ -219,7 +219,7 @@ Precedence read_precedence(JsonValue value, const Place& place) {
     fail(Place(place, "after_any"), "an empty list could never be met; leave the key out");
   }
   if (!after_any && !members.find("after"))
-    fail(place, "\"after\" or \"after_any\" is missing, one of them is needed");
+    fail(place, R"("after" or "after_any" is missing, one of them is needed)");
   return rule;
 }
 
@@ -270,7 +270,7 @@ Direction read_direction(JsonValue value, const Place& place) {
   if (name == "disassembly") return Direction::Disassembly;
   if (name == "assembly") return Direction::Assembly;
   fail(place, in_quotes(name) +
-                  " is not a direction of planning; those are \"disassembly\" and \"assembly\"");
+                  R"( is not a direction of planning; those are "disassembly" and "assembly")");
 }
 
 std::map<std::size_t, double> read_pieces(JsonValue value, const Place& place) {
@@ -284,7 +284,7 @@ std::map<std::size_t, double> read_pieces(JsonValue value, const Place& place) {
     const bool is_number =
         error == std::errc{} && end == key.data() + key.size() && !key.starts_with('0');
     if (!is_number || size > kMaxParts) {
-      fail(place, fmt::format("{} is not a piece size; sizes are \"1\" to \"{}\"", in_quotes(key),
+      fail(place, fmt::format(R"({} is not a piece size; sizes are "1" to "{}")", in_quotes(key),
                               kMaxParts));
     }
     pieces[size] = read_number(member, Place(place, key));
@@ -322,7 +322,7 @@ WeightedSum read_terms(JsonValue value, const Place& place, std::size_t sums_out
 Objective read_objective(JsonValue value, const Place& place, std::size_t sums_outside,
                          double* weight) {
   if (!value.is(JsonKind::Object))
-    fail_type(place, value, "an object such as {\"type\": \"cubesat\"}");
+    fail_type(place, value, R"(an object such as {"type": "cubesat"})");
   std::optional<JsonValue> type_value;
   value.for_each([&](JsonValue member) {
     if (member.key() == "type") type_value = member;

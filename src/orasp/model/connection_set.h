@@ -125,8 +125,7 @@ class ConnectionSet {
 };
 
 /// Mixes one word so that all 64 bits of the result depend on all bits of `x` (a bijection).
-/// Reference: Pelle Evensen's "rrxmrrxmsx" family; here the finaliser of MurmurHash3 (Appleby,
-/// public domain).
+/// Reference: the finaliser of MurmurHash3 (Appleby, public domain).
 [[nodiscard]] constexpr std::uint64_t mixed(std::uint64_t x) {
   x ^= x >> 33;
   x *= 0xff51afd7ed558ccdULL;

@@ -109,7 +109,7 @@ void check_expression(const Expression& expression, const std::string& place) {
            in_quotes(name) + " is a variable of every formula; give the constant another name");
     }
     if (!std::isfinite(value))
-      fail(constant_place + "." + name, number_text(value) + " is not a finite number");
+      fail(constant_place + ("." + name), number_text(value) + " is not a finite number");
   }
   const std::string formula_place = place + ".formula";
   if (expression.formula.find_first_not_of(" \t\r\n") == std::string::npos) {
@@ -146,7 +146,7 @@ void check(const Objective& objective, const std::string& place, std::size_t sum
                                                    " is not a piece size; sizes are \"1\" to " +
                                                    in_quotes(std::to_string(kMaxParts)));
                      }
-                     require_finite(value, place + ".pieces." + size_text);
+                     require_finite(value, place + (".pieces." + size_text));
                    }
                  },
                  [](const CubesatZone&) {},

@@ -103,8 +103,9 @@ ProblemSpec grid(std::size_t rows, std::size_t columns) {
   }
   ProblemSpec spec = assembly(name, rows * columns, std::move(pairs));
   for (std::size_t i = 0; i < spec.parts.size(); ++i) {
-    spec.parts[i].position = {static_cast<double>(i % columns), static_cast<double>(i / columns),
-                              0};
+    const std::size_t row = i / columns;
+    const std::size_t column = i % columns;
+    spec.parts[i].position = {static_cast<double>(column), static_cast<double>(row), 0};
   }
   return spec;
 }

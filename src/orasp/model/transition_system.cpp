@@ -105,6 +105,34 @@ double zone_cost(std::size_t parts, std::size_t piece_parts, bool whole_start) {
   }
 }
 
+/// The objectives that see nothing but sizes: a step that cuts a piece into a and b parts (0 and 0: it separates
+/// nothing). `whole`: the piece is a whole starting piece.
+[[gnu::always_inline]] inline double size_reward(const Term& term, std::size_t a, std::size_t b,
+                                                 bool completes, bool whole) {
+  const bool separates = a != 0;
+  switch (term.kind) {
+    case TermKind::PieceCost:
+      if (completes) return term.q;
+      if (!separates) return 0.0 - term.p;
+      return 0.0 - (term.p + term.piece_cost[a] + term.piece_cost[b]);
+    case TermKind::CubesatZone:
+      if (completes) return 1;
+      if (!separates) return 0;
+      return 0.0 - (zone_cost(a, a + b, whole) + zone_cost(b, a + b, whole));
+    case TermKind::Completion:
+      return (separates ? term.p : 0.0) - term.q + (completes ? term.r : 0.0);
+    default:
+      break;
+  }
+  assert(false);
+  return 0;
+}
+
+constexpr bool sees_sizes_only(TermKind kind) {
+  return kind == TermKind::PieceCost || kind == TermKind::CubesatZone ||
+         kind == TermKind::Completion;
+}
+
 void insert(std::span<std::uint64_t> set, ConnectionIndex c) {
   set[c / 64] |= std::uint64_t{1} << (c % 64);
 }
@@ -267,6 +295,7 @@ void TransitionSystem::Rules::add_terms(const Problem& problem, const Objective&
 // reverse of removing it from the state that follows, so there every `after` must still be missing. While c itself is
 // handled it is there, in both directions.
 bool TransitionSystem::Rules::precedence_met(SetView open, ConnectionIndex c) const {
+  if (!contains(constrained, c)) return true;
   const std::uint64_t flip = assembly ? ~std::uint64_t{0} : 0;
   const std::uint64_t* const mine = after.data() + c * words;
   const std::uint64_t self = std::uint64_t{1} << (c % 64);
@@ -576,31 +605,19 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
 [[gnu::always_inline]] inline double Expander::Scratch::counting_reward(const Term& term,
                                                                         const Facts& facts) const {
   switch (term.kind) {
-    case TermKind::PieceCost:
-      if (facts.completes) return term.q;
-      if (!facts.separates) return 0.0 - term.p;
-      return 0.0 - (term.p + term.piece_cost[facts.a_parts] + term.piece_cost[facts.b_parts]);
-    case TermKind::CubesatZone: {
-      if (facts.completes) return 1;
-      if (!facts.separates) return 0;
-      const std::size_t piece = facts.a_parts + facts.b_parts;
-      const PartIndex part = problem.ends(facts.connection)[0];
-      const bool whole = piece == rules.graph.starting_piece(part);
-      return 0.0 -
-             (zone_cost(facts.a_parts, piece, whole) + zone_cost(facts.b_parts, piece, whole));
-    }
     case TermKind::Indexed: {
       const auto n = static_cast<double>(facts.before);
       const double i = facts.connection;
       return i < n - 1 ? n - i : -1;
     }
-    case TermKind::Completion:
-      return (facts.separates ? term.p : 0.0) - term.q + (facts.completes ? term.r : 0.0);
+    case TermKind::CubesatZone: {
+      const PartIndex part = problem.ends(facts.connection)[0];
+      const bool whole = facts.a_parts + facts.b_parts == rules.graph.starting_piece(part);
+      return size_reward(term, facts.a_parts, facts.b_parts, facts.completes, whole);
+    }
     default:
-      break;
+      return size_reward(term, facts.a_parts, facts.b_parts, facts.completes, false);
   }
-  assert(false);
-  return 0;
 }
 
 inline double Expander::Scratch::reward(const Facts& facts) {
@@ -630,7 +647,7 @@ std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
     return {actions.data(), next};
   }
   for_each_connection(open, [&](ConnectionIndex c) {
-    if (contains(rules.constrained, c) && !rules.precedence_met(open, c)) return;
+    if (!rules.precedence_met(open, c)) return;
     const Facts facts = rules.assembly ? joining_facts(c, num_open) : removal_facts(c, num_open);
     if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
     *next++ = {c, reward(facts)};
@@ -957,6 +974,21 @@ RewardRange TransitionSystem::reward_range(ConnectionIndex connection, std::size
     if (term.weight == 0) continue;
     sum.least += term.weight > 0 ? term.weight * range.least : term.weight * range.greatest;
     sum.greatest += term.weight > 0 ? term.weight * range.greatest : term.weight * range.least;
+  }
+  return sum;
+}
+
+bool TransitionSystem::sees_sizes_only() const {
+  return std::ranges::all_of(rules_->terms,
+                             [](const Term& term) { return orasp::sees_sizes_only(term.kind); });
+}
+
+double TransitionSystem::greatest_size_reward(std::size_t a, std::size_t b, bool completes) const {
+  double sum = 0;
+  for (const Term& term : rules_->terms) {
+    const double inside = size_reward(term, a, b, completes, false);
+    const double whole = size_reward(term, a, b, completes, true);
+    sum += std::max(term.weight * inside, term.weight * whole);
   }
   return sum;
 }

@@ -109,6 +109,12 @@ class TransitionSystem {
   [[nodiscard]] RewardRange reward_range(ConnectionIndex connection, std::size_t open,
                                          bool completes) const;
 
+  /// Whether a step's reward depends on nothing but the sizes of A and B and on whether it completes.
+  [[nodiscard]] bool sees_sizes_only() const;
+  /// If so: the most that a step earns which cuts a piece into a and b parts (0 and 0: it separates nothing). Exact but
+  /// for `cubesat_zone`, where a whole starting piece of fewer than four parts may earn less.
+  [[nodiscard]] double greatest_size_reward(std::size_t a, std::size_t b, bool completes) const;
+
   /// Pieces with two or more parts among the connections of `present` (not `open`).
   [[nodiscard]] std::size_t subassemblies(SetView present) const;
 
@@ -139,8 +145,9 @@ class Expander {
 
   /// The legal actions of a state with their rewards, ascending by connection. The span is valid
   /// until the next call. One pass over the assembly finds all separations at once: O(parts +
-  /// connections), plus the size of the moved piece for each separation where the objective,
-  /// blocking or a mass limit looks inside it. Reference. Bridges by depth-first search: Tarjan
+  /// connections), plus the size of the piece for each separation where the objective,
+  /// blocking or a mass limit looks inside it.
+  /// Reference. Bridges by depth-first search: Tarjan
   /// (1974), Inf. Proc. Letters 2(6), 160-161.
   /// @throws InputError if an expression or a callable yields a reward that is not finite.
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);

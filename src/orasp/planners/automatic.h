@@ -9,14 +9,13 @@ namespace orasp {
 /// H up to this many actions is simply built: it takes seconds and gives a proof.
 inline constexpr double kAutomaticMostActions = 2e8;
 
-/// Chooses a method by the size of the problem and says which and why (Result::method,
-/// Result::notes).
+/// Chooses a method by the size of the problem and its objective, and says what it did and why (Result::notes).
 ///
-/// Idea.       Where H has at most kAutomaticMostActions actions and fits: value-iteration, which
-///             proves the optimum. Elsewhere a greedy plan first: if it earns as much as the upper
-///             bound (planners/bounds.h) it is proved; otherwise orasp-search from there to the
-///             limit. Where no bound is known the greedy plan is the answer.
-/// Guarantee.  That of the method chosen.
+/// Idea.       Where the objective sees only sizes, a greedy plan guided by SizeBound first: if it earns as much as the
+///             bound it is optimal, at any size. Otherwise, where H has at most kAutomaticMostActions actions and fits,
+///             value-iteration. Elsewhere orasp-search from the best greedy plan to the limit; where no bound is known
+///             (planners/bounds.h) the greedy plan is the answer.
+/// Guarantee.  Optimal only with one of these proofs; otherwise the best plan found and the best bound known.
 [[nodiscard]] Result automatic(const TransitionSystem& system, std::uint64_t seed,
                                const Budget& budget);
 

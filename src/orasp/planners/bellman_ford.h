@@ -19,7 +19,7 @@ struct BellmanFordOptions {
 ///             (1956), Moore (1959).
 /// Guarantee.  Exact. Result::values holds the best reward from the start by StateId, which is what
 ///             replanning wants.
-/// Cost.       O(actions) a sweep, two sweeps; 8 bytes a state beside H.
+/// Cost.       O(actions) a sweep, two sweeps; 12 bytes a state beside H.
 /// Limit.      H must fit in memory.
 /// Repeatable. Ties go to the action generated first; no randomness.
 /// @throws InputError if H is estimated not to fit (require_graph_fits).

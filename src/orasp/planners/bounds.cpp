@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "orasp/model/detail/connectivity.h"
+
 namespace orasp {
 
 ConnectionBound::ConnectionBound(const TransitionSystem& system) {
@@ -26,6 +28,85 @@ double ConnectionBound::operator()(SetView open) const {
   });
   if (goal) return 0;
   return known_ ? sum + last_surplus_ : std::numeric_limits<double>::infinity();
+}
+
+struct SizeBound::Scratch {
+  explicit Scratch(const Problem& problem) : graph(problem), connectivity(graph, false) {}
+  detail::AssemblyGraph graph;
+  detail::Connectivity connectivity;
+};
+
+SizeBound::SizeBound(const TransitionSystem& system) : system_(system) {
+  const Problem& problem = system.problem();
+  const std::size_t parts = problem.num_parts();
+  known_ = system.sees_sizes_only() && problem.direction() == Direction::Disassembly &&
+           parts <= kMostParts;
+  if (!known_) return;
+  scratch_ = std::make_unique<Scratch>(problem);
+  neutral_ = system.greatest_size_reward(0, 0, false);
+  const std::size_t most_moved = problem.limits().max_moved_parts.value_or(parts);
+  best_.assign(parts + 1, -std::numeric_limits<double>::infinity());
+  if (parts >= 1) best_[1] = 0;
+  for (std::size_t n = 2; n <= parts; ++n) {
+    for (std::size_t a = 1; a <= std::min(n / 2, most_moved); ++a) {
+      best_[n] = std::max(best_[n],
+                          system.greatest_size_reward(a, n - a, false) + best_[a] + best_[n - a]);
+    }
+  }
+  // A limit under which some size cannot be cut at all is left to the searches.
+  known_ = std::ranges::all_of(std::span(best_).subspan(std::min<std::size_t>(1, best_.size())),
+                               [](double best) { return std::isfinite(best); });
+  // The last connection of all holds two single parts, or a part to itself.
+  last_surplus_ = -std::numeric_limits<double>::infinity();
+  if (!scratch_->graph.loops().empty()) {
+    last_surplus_ = system.greatest_size_reward(0, 0, true) - neutral_;
+  }
+  if (parts >= 2) {
+    last_surplus_ = std::max(last_surplus_, system.greatest_size_reward(1, 1, true) - best_[2]);
+  }
+}
+
+SizeBound::~SizeBound() = default;
+
+double SizeBound::operator()(SetView open) {
+  if (!known_) return std::numeric_limits<double>::infinity();
+  const std::size_t connections = count(open);
+  if (connections == 0) return 0;
+  // Pieces by flood fill over the parts.
+  const detail::AssemblyGraph& graph = scratch_->graph;
+  std::vector<unsigned char> seen(graph.num_parts(), 0);
+  std::vector<PartIndex> piece;
+  std::size_t cuts = 0;
+  double sum = 0;
+  for (PartIndex root = 0; root < graph.num_parts(); ++root) {
+    if (seen[root] != 0) continue;
+    piece.assign(1, root);
+    seen[root] = 1;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      for (const auto& half : graph.around(piece[i])) {
+        if (seen[half.other] != 0 || !contains(open, half.connection)) continue;
+        seen[half.other] = 1;
+        piece.push_back(half.other);
+      }
+    }
+    sum += best_[piece.size()];
+    cuts += piece.size() - 1;
+  }
+  return sum + static_cast<double>(connections - cuts) * neutral_ + last_surplus_;
+}
+
+void SizeBound::add_change(SetView open, std::span<Action> actions) {
+  detail::Connectivity& connectivity = scratch_->connectivity;
+  connectivity.analyse(open, false);
+  for (Action& action : actions) {
+    const std::uint32_t a = connectivity.below(action.connection);
+    if (a == 0) {
+      action.reward -= neutral_;
+      continue;
+    }
+    const std::uint32_t n = connectivity.piece(action.connection);
+    action.reward += best_[a] + best_[n - a] - best_[n];
+  }
 }
 
 }  // namespace orasp

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "orasp/model/transition_system.h"
@@ -37,6 +39,44 @@ class ConnectionBound {
   bool known_ = true;
   double last_surplus_ = 0;
   std::vector<double> greatest_;
+};
+
+/// Upper bound on the reward still to come for objectives that see only sizes (TransitionSystem::sees_sizes_only), in
+/// disassembly: the recursion over piece sizes alone. A piece of n parts can earn at most
+///
+///     g(n) = max over a + b = n of r(a, b) + g(a) + g(b),   g(1) = 0,   the smaller of a, b at most max_moved_parts,
+///
+/// and every connection beyond the n - 1 that separate earns what a step does that separates nothing. The last step of
+/// all is paid as completing. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
+///
+/// Admissible: yes, each piece of n parts is cut exactly n - 1 times, each cut of some size, and cuts of sizes that the
+///             limit forbids are left out. Other constraints only take choices away.
+/// Consistent: yes, g(n) is at least r(a, b) + g(a) + g(b) for every legal cut.
+/// Infinite where the objective sees more, in assembly, and beyond kMostParts.
+/// Cost: O(parts^2) once, O(parts + connections) a state. Holds scratch memory: one for each thread.
+class SizeBound {
+ public:
+  static constexpr std::size_t kMostParts = 4096;
+
+  explicit SizeBound(const TransitionSystem& system);
+  ~SizeBound();
+  SizeBound(const SizeBound&) = delete;
+  SizeBound& operator=(const SizeBound&) = delete;
+
+  [[nodiscard]] bool known() const { return known_; }
+  [[nodiscard]] double operator()(SetView open);
+  /// Adds to each action's reward the change of the bound that it brings: what the plan loses at least by it, 0 for
+  /// the actions that keep the bound within reach.
+  void add_change(SetView open, std::span<Action> actions);
+
+ private:
+  struct Scratch;
+  const TransitionSystem& system_;
+  bool known_ = false;
+  double neutral_ = 0;        ///< of a step that separates nothing
+  double last_surplus_ = 0;   ///< most that completing adds to the last step
+  std::vector<double> best_;  ///< g, by parts
+  std::unique_ptr<Scratch> scratch_;
 };
 
 }  // namespace orasp

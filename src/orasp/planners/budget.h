@@ -50,19 +50,14 @@ struct Budget {
 
   /// Why to stop now, given what was spent; Stop::None to go on.
   [[nodiscard]] Stop expired(std::uint64_t bytes = 0, std::uint64_t expansions = 0) const {
-    if (stop.stop_requested())
-      return Stop::Cancelled;
-    if (bytes > max_bytes)
-      return Stop::MemoryLimit;
-    if (expansions >= max_expansions)
-      return Stop::ExpansionLimit;
-    if (deadline && Clock::now() >= *deadline)
-      return Stop::TimeLimit;
+    if (stop.stop_requested()) return Stop::Cancelled;
+    if (bytes > max_bytes) return Stop::MemoryLimit;
+    if (expansions >= max_expansions) return Stop::ExpansionLimit;
+    if (deadline && Clock::now() >= *deadline) return Stop::TimeLimit;
     return Stop::None;
   }
   void report(const Progress& state) const {
-    if (progress)
-      progress(state);
+    if (progress) progress(state);
   }
 };
 

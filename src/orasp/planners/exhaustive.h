@@ -6,7 +6,7 @@
 
 namespace orasp {
 
-/// The largest problem that `exhaustive` accepts: 12! = 479,001,600 sequences take about a minute.
+/// The largest problem that `exhaustive` accepts: 12! = 479,001,600 sequences take a few minutes.
 inline constexpr std::size_t kExhaustiveMaxConnections = 12;
 
 /// Tries every legal sequence: the tree H~, not the graph H. For checking other methods on small

@@ -1,15 +1,56 @@
 #include "orasp/planners/greedy.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "orasp/planners/detail/depth_first_plan.h"
 
 namespace orasp {
 
 Result greedy(const TransitionSystem& system, const Budget& budget) {
-  return detail::depth_first_plan(system, budget, "greedy", [](std::span<Action> actions) {
+  return detail::depth_first_plan(system, budget, "greedy", [](SetView, std::span<Action> actions) {
     std::ranges::stable_sort(actions, std::ranges::greater{}, &Action::reward);
+    return actions.size();
   });
+}
+
+Result guided_greedy(const TransitionSystem& system, SizeBound& bound, const Budget& budget) {
+  std::vector<Action> scored;
+  std::vector<std::pair<double, Action>> order;
+  return detail::depth_first_plan(
+      system, budget, "greedy", [&](SetView open, std::span<Action> actions) {
+        scored.assign(actions.begin(), actions.end());
+        bound.add_change(open, scored);
+        order.clear();
+        for (std::size_t i = 0; i < actions.size(); ++i)
+          order.emplace_back(scored[i].reward, actions[i]);
+        std::ranges::stable_sort(order,
+                                 [](const auto& a, const auto& b) { return a.first > b.first; });
+        for (std::size_t i = 0; i < actions.size(); ++i) actions[i] = order[i].second;
+        return actions.size();
+      });
+}
+
+Result plan_at_bound(const TransitionSystem& system, SizeBound& bound, const Budget& budget) {
+  std::vector<Action> scored;
+  Result result = detail::depth_first_plan(
+      system, budget, "greedy", [&](SetView open, std::span<Action> actions) {
+        scored.assign(actions.begin(), actions.end());
+        bound.add_change(open, scored);
+        if (count(open) == 1)
+          return actions.size();  // paid as completing, which the bound has counted already
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < actions.size(); ++i) {
+          if (scored[i].reward >= -kRewardTolerance) actions[kept++] = actions[i];
+        }
+        return kept;
+      });
+  if (result.status == Status::Infeasible) {
+    result.status = Status::Unknown;  // there may be plans that earn less
+    result.notes.clear();
+  }
+  return result;
 }
 
 }  // namespace orasp

@@ -178,7 +178,9 @@ Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& op
         system.problem().objective().type +
         "'; use value-iteration, dijkstra, bellman-ford or exhaustive instead");
   }
-  Result result = random_sequence(system, {.seed = options.seed}, budget);
+  Result result = options.incumbent != nullptr
+                      ? *options.incumbent
+                      : random_sequence(system, {.seed = options.seed}, budget);
   result.method = "orasp-search";
   if (result.status == Status::Feasible) {
     if (system.words() == 1) {

@@ -9,7 +9,8 @@
 namespace orasp {
 
 struct OraspSearchOptions {
-  std::uint64_t seed = 1;  ///< of the random sequence that is the first incumbent
+  std::uint64_t seed = 1;             ///< of the random sequence that is the first incumbent
+  const Result* incumbent = nullptr;  ///< a plan to start from instead; must outlive the call
 };
 
 /// Finds an optimal plan by the paper's ORASP Search: depth-first branch and bound that generates H
@@ -21,8 +22,8 @@ struct OraspSearchOptions {
 ///             no better than before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
 ///             bound is 0). Rewards above zero are handled by planners/bounds.h.
-/// Guarantee.  Exact: nothing is abandoned that could beat the incumbent by more than
-///             kRewardTolerance.
+/// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more
+///             than kRewardTolerance and the rounding error of a sum of so many rewards.
 /// Cost.       At worst every state once for each better path to it; one table entry (key, reward)
 ///             a state met.
 /// Limit.      The table must fit in budget.max_bytes; stopped there it keeps the incumbent.

@@ -13,9 +13,10 @@ Result random_sequence(const TransitionSystem& system, const RandomOptions& opti
   // draw, and after a failure the next is a uniform draw among the rest.
   SplitMix64 random(options.seed);
   Result result =
-      detail::depth_first_plan(system, budget, "random", [&](std::span<Action> actions) {
+      detail::depth_first_plan(system, budget, "random", [&](SetView, std::span<Action> actions) {
         for (std::size_t left = actions.size(); left > 1; --left)
           std::swap(actions[left - 1], actions[random.below(left)]);
+        return actions.size();
       });
   result.seed = options.seed;
   return result;

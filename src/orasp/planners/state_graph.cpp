@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "orasp/model/scenario_generators.h"
+#include "orasp/planners/bounds.h"
 #include "orasp/planners/detail/parallel.h"
 #include "orasp/planners/detail/state_table.h"
 #include "orasp/planners/detail/subset_rank.h"
@@ -428,15 +429,6 @@ double graph_bytes(const TransitionSystem& system, double states, double actions
   return states * (key + 8 + 8) + actions * 7 + widest_layer_actions * (key + 11);
 }
 
-GraphEstimate unconstrained(const TransitionSystem& system) {
-  const double n = static_cast<double>(system.num_connections());
-  const double states = std::exp2(n);
-  const double actions = n * states / 2;
-  // The widest layer holds about sqrt(2 / (pi n)) of all.
-  const double widest = actions * std::min(1.0, std::sqrt(0.64 / std::max(1.0, n)));
-  return {states, actions, graph_bytes(system, states, actions, widest), true};
-}
-
 /// Sequential Monte Carlo over the layers (Gordon, Salmond, Smith 1993; for counting, Knuth 1975).
 /// With s uniform in layer k and s' a uniform successor, the mean of b(s) / p(s') is N(k+1) / N(k);
 /// particles are then resampled by these weights. Ways into s' that only come from unreachable
@@ -531,30 +523,40 @@ std::string bytes_text(double bytes) {
 
 }  // namespace
 
+GraphEstimate estimate_without_constraints(const TransitionSystem& system) {
+  const double n = static_cast<double>(system.num_connections());
+  const double states = std::exp2(n);
+  const double actions = n * states / 2;
+  // The widest layer holds about sqrt(2 / (pi n)) of all.
+  const double widest = actions * std::min(1.0, std::sqrt(0.64 / std::max(1.0, n)));
+  return {states, actions, graph_bytes(system, states, actions, widest), true};
+}
+
 GraphEstimate estimate_graph(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   const Limits& limits = problem.limits();
   const bool free = problem.precedence().empty() && !problem.directions() &&
                     !limits.max_subassemblies && !limits.max_moved_parts && !limits.max_moved_mass;
-  return free ? unconstrained(system) : sampled(system);
+  return free ? estimate_without_constraints(system) : sampled(system);
 }
 
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,
                         const std::string& method) {
   const auto allowed = static_cast<double>(allowed_bytes(budget));
   // Constraints only take states away: where all subsets fit there is nothing to estimate.
-  if (unconstrained(system).bytes <= allowed) return;
+  if (estimate_without_constraints(system).bytes <= allowed) return;
   const GraphEstimate estimate = estimate_graph(system);
   // An estimate by sampling may be off by a factor of two or so; the memory limit stands behind it.
   const double slack = estimate.exact ? 1 : 2;
   if (estimate.bytes <= slack * allowed &&
       estimate.states <= slack * static_cast<double>(kMostStates))
     return;
+  const bool bounded = ConnectionBound(system).known();
   throw InputError(
       method + " needs the whole state-action graph: " + (estimate.exact ? "" : "about ") +
       size_text(estimate.states) + " states and " + size_text(estimate.actions) + " actions, " +
       bytes_text(estimate.bytes) + " of memory where " + bytes_text(allowed) +
-      " are allowed; use orasp-search, greedy or random instead");
+      " are allowed; use auto, " + (bounded ? "orasp-search, " : "") + "greedy or random instead");
 }
 
 }  // namespace orasp

@@ -24,9 +24,10 @@ using ActionId = std::uint64_t;
 /// legal actions.
 ///
 /// Idea.       Breadth first, one layer for each number of connections handled. A layer is expanded
-///             in parallel, then its successors are merged in shards of a hash table that lives
-///             only as long as the layer. Constraints prune as it grows: a state that no legal
-///             action reaches never exists.
+///             in parallel; its successors are merged by their ranks among all subsets of their
+///             size where they are a fair part of those, and elsewhere in shards of a hash table
+///             that lives only as long as the layer. Constraints prune as it grows: a state that
+///             no legal action reaches never exists.
 /// Reference.  The paper, section "Our method": consolidation of the tree H~; pruning in section
 ///             "Constraints".
 /// Guarantee.  The same graph, numbered the same way, for any number of threads.
@@ -105,7 +106,7 @@ struct GraphEstimate {
   double states = 0;
   double actions = 0;
   double bytes = 0;    ///< to hold it, and to plan on it
-  bool exact = false;  ///< true where no constraint binds: then states are 2^connections
+  bool exact = false;  ///< true where no constraint is stated: then states are 2^connections
 };
 
 /// Estimates the size of H without building it, in milliseconds: layer by layer, N(k+1) = N(k) *
@@ -114,12 +115,15 @@ struct GraphEstimate {
 /// layers). Exact without constraints. Deterministic.
 [[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system);
 
+/// The size that H would have if nothing were constrained: 2^connections states. Constraints only take states away.
+[[nodiscard]] GraphEstimate estimate_without_constraints(const TransitionSystem& system);
+
 /// Memory that planners may take under `budget`: its max_bytes, and in any case not more than 80 %
 /// of what the machine has.
 [[nodiscard]] std::uint64_t allowed_bytes(const Budget& budget);
 
-/// Throws InputError, before memory is taken, if H is estimated not to fit in
-/// allowed_bytes(budget); the sentence gives the estimate and the methods that do not build H.
+/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget)
+/// (a sampled estimate may exceed it twofold: the limit still ends the build); the sentence gives the estimate and the methods that do not build H.
 /// `method` is the one refused.
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,
                         const std::string& method);

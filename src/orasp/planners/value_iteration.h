@@ -16,7 +16,7 @@ struct ValueIterationOptions {
                ///< right each sweep
   };
   Order order = Order::Layers;
-  double initial_value = 0;  ///< V_0 of every state but the goal (0) and dead ends
+  double initial_value = 0;  ///< V_0 of every state but the goal, whose value is 0
   double epsilon = 1e-9;     ///< stop when no value changed by this much or more
   std::uint64_t max_sweeps = std::numeric_limits<std::uint64_t>::max();
 };

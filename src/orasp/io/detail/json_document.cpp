@@ -131,7 +131,7 @@ class JsonBuilder {
     add(JsonKind::String).string = slice;
     return true;
   }
-  bool binary(nlohmann::json::binary_t&) { return false; }  // never in a JSON text
+  static bool binary(nlohmann::json::binary_t&) { return false; }  // never in a JSON text
   bool start_object(std::size_t) { return open(JsonKind::Object); }
   bool start_array(std::size_t) { return open(JsonKind::Array); }
   bool key(std::string& value) {

@@ -12,16 +12,15 @@
 namespace orasp::detail {
 
 /// Finds some plan, depth first, backtracking at dead ends: the frame of `greedy` and `random`.
-/// `arrange(std::span<Action>)` puts the legal actions of a state into the order in which they are
-/// tried. States from which everything failed are kept in a table, so none is tried twice; so it is
-/// complete.
+/// `arrange(open, std::span<Action>)` puts the legal actions of a state into the order in which they are tried and
+/// returns how many of them to try. States from which everything failed are kept in a table, so none is tried twice;
+/// so it is complete over the actions that `arrange` keeps.
 template <class Arrange>
 [[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
                                       std::string_view method, Arrange&& arrange) {
   constexpr std::uint64_t kPollEvery = 64;
   const Stopwatch watch;
-  if (auto result = settled(system, method))
-    return *result;
+  if (auto result = settled(system, method)) return *result;
   Result result;
   result.method = method;
   Statistics& statistics = result.statistics;
@@ -44,8 +43,9 @@ template <class Arrange>
         const auto legal = expander.legal_actions(state.view());
         actions.insert(actions.end(), legal.begin(), legal.end());
         const auto mine = std::span(actions).subspan(begin);
-        arrange(mine);
-        std::ranges::reverse(mine);
+        const std::size_t kept = arrange(state.view(), mine);
+        actions.resize(begin + kept);
+        std::ranges::reverse(std::span(actions).subspan(begin));
         ++statistics.expanded;
       } else {
         ++statistics.pruned;
@@ -59,8 +59,7 @@ template <class Arrange>
     if (actions.size() == frames.back()) {  // everything failed here
       failed.insert(state.view().data());
       frames.pop_back();
-      if (frames.empty())
-        break;
+      if (frames.empty()) break;
       state.insert(taken.back().connection);
       taken.pop_back();
       continue;
@@ -75,7 +74,9 @@ template <class Arrange>
   statistics.peak_bytes = failed.bytes() + actions.capacity() * sizeof(Action);
   if (taken.size() == goal_depth) {
     result.stop = Stop::None;
-    result.status = Status::Feasible;
+    // The empty plan is the only one; any other is just a plan.
+    result.status = goal_depth == 0 ? Status::Optimal : Status::Feasible;
+    if (goal_depth == 0) result.bound = 0;
     result.reward = 0;
     for (const Action& action : taken) {
       result.sequence.push_back(action.connection);

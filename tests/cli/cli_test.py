@@ -1,0 +1,777 @@
+#!/usr/bin/env python3
+"""Tests the program as a user types it: exit codes, messages, files, streams, signals.
+
+    tests/cli/cli_test.py PROGRAM [unittest's arguments]
+"""
+import csv
+import io
+import json
+import os
+import pty
+import re
+import resource
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = ""
+# A search that no machine finishes: ORASP Search on 31 connections without constraints.
+ENDLESS = ["solve", "iss", "--method", "orasp-search"]
+
+
+class Answer:
+    def __init__(self, code, out, error):
+        self.code, self.out, self.error = code, out, error
+
+
+def orasp(*arguments, stdin="", environment=None, **options):
+    """Runs the program; `stdin` is text or bytes."""
+    data = stdin if isinstance(stdin, bytes) else stdin.encode()
+    done = subprocess.run([PROGRAM, *arguments], input=data, capture_output=True, timeout=120,
+                          env=None if environment is None else dict(os.environ, **environment), **options)
+    return Answer(done.returncode, done.stdout.decode(errors="replace"), done.stderr.decode(errors="replace"))
+
+
+def assembly(connections, **more):
+    """A problem file of parts "1", "2", ... joined by pairs such as "1-2"."""
+    pairs = [connection.split("-") for connection in connections]
+    parts = sorted({part for pair in pairs for part in pair}, key=int)
+    return json.dumps({"format": "orasp-problem/1", "name": "test", "parts": [{"id": part} for part in parts],
+                       "connections": [{"parts": pair} for pair in pairs], **more})
+
+
+def commands():
+    block = orasp("--help").out.split("\nCommands:\n", 1)[1].split("\n\n", 1)[0]
+    return re.findall(r"^  (\S+)", block, re.MULTILINE)
+
+
+def options_of(command):
+    listing = orasp(command, "--help").out
+    return sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", listing)))
+
+
+def methods():
+    block = orasp("solve", "--help").out.split("\nMethods:\n", 1)[1].split("\n\n", 1)[0]
+    return re.findall(r"^  (\S+)", block, re.MULTILINE)
+
+
+CHAIN = assembly(["1-2", "2-3", "3-4"])
+CYCLE = assembly(["1-2", "2-3"], precedence=[{"connection": "1-2", "after": ["2-3"]},
+                                             {"connection": "2-3", "after": ["1-2"]}])
+
+
+class Case(unittest.TestCase):
+    maxDiff = None
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def file(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return str(path)
+
+    def check(self, answer, code, *, out=r"\A", error=r"\A"):
+        """`out` and `error` are expressions that must be found."""
+        self.assertEqual(answer.code, code, answer.out + answer.error)
+        self.assertRegex(answer.out, out)
+        self.assertRegex(answer.error, error)
+
+    def check_sentence(self, answer, code=30):
+        """An error is one line on standard error and nothing else."""
+        self.assertEqual(answer.code, code, answer.out + answer.error)
+        self.assertEqual(answer.out, "")
+        self.assertRegex(answer.error, r"\Aorasp: [^\n]+\n\Z")
+        self.assertNotIn("internal error", answer.error)
+
+
+class Usage(Case):
+    def test_what_is_wrong_with_the_words_is_said_in_a_sentence(self):
+        for words, sentence in [
+            ("slove", r'unknown command "slove"; did you mean "solve"\?'),
+            ("frobnicate", r'unknown command "frobnicate"; `orasp --help`'),
+            ("--verison", r'unknown option "--verison"; did you mean "--version"\?'),
+            ("solve", r"PROBLEM is missing; `orasp solve --help`"),
+            ("compare", r"PROBLEM is missing"),
+            ("evaluate hubble", r"PLAN is missing"),
+            ("completion", r"SHELL is missing"),
+            ("completion fish", r'no completion for the shell "fish"'),
+            ("solve hubble --metod greedy", r'unknown option "--metod"; did you mean "--method"\?'),
+            ("solve --metod=greedy hubble", r'unknown option "--metod"; did you mean "--method"\?'),
+            ("solve hubble -x", r'unknown option "-x"'),
+            ("solve hubble lattice", r'unexpected argument "lattice"'),
+            ("solve hubbel", r'no problem "hubbel": .*; did you mean "hubble"\?'),
+            ("solve xyzzy", r'no problem "xyzzy": .*`orasp scenarios`'),
+            ("solve grid:4", r'"grid:4".*grid:RxC'),
+            ("solve hubble --method gredy", r'unknown method "gredy"; .*; did you mean "greedy"\?'),
+            ("compare hubble --methods greedy,radnom", r'unknown method "radnom"; .*; did you mean "random"\?'),
+            ("compare hubble --methods greedy,", r'unknown method ""'),
+            ("solve hubble --seed", r"--seed needs a value, N"),
+            ("solve hubble -o", r"--output needs a value, FILE"),
+            ("solve hubble --quiet=3", r"--quiet takes no value"),
+            ("solve hubble --seed x", r'--seed: "x" is not a whole number from 0 to 18446744073709551615'),
+            ("solve hubble --seed -1", r'--seed: "-1" is not a whole number'),
+            ("solve hubble --seed 1.5", r'--seed: "1.5" is not a whole number'),
+            ("solve hubble --seed 18446744073709551616", r"is not a whole number"),
+            ("solve hubble --threads 0", r'--threads: "0" is not a whole number from 1'),
+            ("solve hubble --time-limit 0", r'--time-limit: "0" is not a number above 0'),
+            ("solve hubble --time-limit nan", r'--time-limit: "nan" is not a number above 0'),
+            ("solve hubble --time-limit inf", r'--time-limit: "inf" is not a number above 0'),
+            ("solve hubble --memory-limit -5", r'--memory-limit: "-5" is not a whole number'),
+            ("solve hubble --max-moved-mass -1", r'--max-moved-mass: "-1" is not a number of 0 or more'),
+            ("solve hubble --objective cubsat", r'no objective "cubsat": .*; did you mean "cubesat"\?'),
+            ("solve hubble --objective sum", r'"sum"'),
+            ("solve hubble --direction up", r'unknown direction "up"; it is disassembly or assembly'),
+            ("solve hubble --epsilon 1 --method greedy", r"--epsilon belongs to the method value-iteration"),
+            ("solve hubble --sweep-order up --method value-iteration", r'"up" is neither layers nor textbook'),
+            ("evaluate - -", r"PROBLEM and PLAN cannot both be read from standard input"),
+            ("compare - -", r"only one PROBLEM can be read from standard input"),
+            ("compare hubble --csv --json", r"only one of --json, --csv and --markdown"),
+            ("graph hubble --json --dot -", r"only one of --json, --dot - and --svg -"),
+            ("sample hubble -n 0", r'--count: "0" is not a whole number from 1'),
+            ("scenarios hubbel", r'"hubbel".*did you mean "hubble"\?'),
+        ]:
+            with self.subTest(words=words):
+                answer = orasp(*words.split())
+                self.check_sentence(answer)
+                self.assertRegex(answer.error, sentence)
+
+    def test_no_words_at_all_print_the_usage_as_an_error(self):
+        self.check(orasp(), 30, out=r"\A\Z", error=r"Usage: orasp COMMAND")
+
+    def test_an_empty_value_is_no_value(self):
+        self.check_sentence(orasp("solve", "hubble", "-o", ""))
+
+    def test_help_and_version_are_results(self):
+        self.check(orasp("--help"), 0, out=r"Commands:\n  solve ", error=r"\A\Z")
+        self.check(orasp("--version"), 0, out=r"\Aorasp \d+\.\d+\.\d+\n\Z", error=r"\A\Z")
+        for command in commands():
+            with self.subTest(command=command):
+                answer = orasp(command, "--help")
+                self.check(answer, 0, out=r"\nExamples:\n  ", error=r"\A\Z")
+                self.assertIn("Exit codes:", answer.out)
+                self.assertEqual(orasp(command, "-h").out, answer.out)
+                self.assertLessEqual(max(map(len, answer.out.splitlines())), 100)
+
+    def test_every_option_of_the_help_says_its_default(self):
+        for command in commands():
+            entries = re.findall(r"^  (-.*(?:\n   .*)*)", orasp(command, "--help").out, re.MULTILINE)
+            self.assertTrue(entries)
+            for entry in entries:
+                if not entry.startswith("-h"):
+                    with self.subTest(command=command, entry=entry):
+                        self.assertRegex(entry, r"\(default:")
+
+    def test_the_last_of_a_repeated_option_counts(self):
+        answer = orasp("solve", "4brick", "--method", "greedy", "--method", "dijkstra", "--json")
+        self.assertEqual(json.loads(answer.out)["method"], "dijkstra")
+
+    def test_man_page_and_completion_name_every_command_option_and_method(self):
+        manual = (ROOT / "docs/orasp.1").read_text(encoding="utf-8").replace("\\-", "-")
+        script = orasp("completion", "bash").out
+        self.assertEqual(script, (ROOT / "cli/orasp.bash").read_text(encoding="utf-8"))
+        for word in commands() + methods():
+            with self.subTest(word=word):
+                self.assertRegex(manual, rf"(?m)\b{re.escape(word)}\b")
+                self.assertRegex(script, rf"\b{re.escape(word)}\b")
+        for command in commands():
+            for option in options_of(command):
+                with self.subTest(command=command, option=option):
+                    self.assertRegex(manual, rf"{option}\b")
+                    self.assertRegex(script, rf"{option}\b")
+
+
+class Completion(Case):
+    def complete(self, *words):
+        script = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _orasp 2>/dev/null; '
+                  'printf "%s\\n" "${COMPREPLY[@]}"')
+        done = subprocess.run(["bash", "--norc", "-c", script, "bash", ROOT / "cli/orasp.bash", PROGRAM, *words],
+                              capture_output=True, text=True, cwd=self.folder, timeout=60)
+        self.assertEqual(done.stderr, "")
+        return done.stdout.split()
+
+    def test_commands_options_methods_scenarios_and_files(self):
+        self.file("hubble-2.json", CHAIN)
+        for words, expected in [
+            (["so"], ["solve"]),
+            (["solve", "hub"], ["hubble", "hubble-free", "hubble-upc", "hubble-2.json"]),
+            (["solve", "gri"], ["grid:"]),
+            (["solve", "hubble", "--meth"], ["--method"]),
+            (["solve", "hubble", "--method", "val"], ["value-iteration"]),
+            (["solve", "hubble", "--method", "=", "val"], ["value-iteration"]),
+            (["compare", "hubble", "--methods", "greedy,dij"], ["greedy,dijkstra"]),
+            (["solve", "hubble", "--objective", "cub"], ["cubesat", "cubesat_zone"]),
+            (["solve", "hubble", "--direction", "a"], ["assembly"]),
+            (["solve", "hubble", "-o", "hub"], ["hubble-2.json"]),
+            (["evaluate", "hubble", "hubble-2"], ["hubble-2.json"]),
+            (["graph", "hubble", "--s"], ["--svg"]),
+            (["sample", "hubble", "--se"], ["--seed", "--sequences"]),
+            (["scenarios", "la"], ["lattice"]),
+            (["completion", ""], ["bash", "--help"]),
+            (["solve", "hubble", "--seed", ""], []),
+        ]:
+            with self.subTest(words=words):
+                self.assertEqual(self.complete(*words), expected)
+
+    def test_every_option_of_a_command_is_offered(self):
+        for command in commands():
+            if command != "completion":
+                with self.subTest(command=command):
+                    offered = set(self.complete(command, "--"))
+                    # Other commands' options stand in the examples of a help text, never the reverse.
+                    self.assertLessEqual(offered, set(options_of(command)))
+                    listed = re.findall(r"^  (?:-\w )?(--[a-z-]+)", orasp(command, "--help").out, re.MULTILINE)
+                    self.assertEqual(set(listed), offered)
+
+
+class WrongFiles(Case):
+    def test_a_file_that_is_no_problem_is_refused_in_a_sentence(self):
+        million = '{"format": "orasp-problem/1", "parts": [{"id": "1"}, {"id": "2"}], "connections": [' + ",".join(
+            f'{{"id": "{i}", "parts": ["1", "2"]}}' for i in range(10**6)) + "]}"
+        for name, content, sentence in [
+            ("empty", "", r"the file is empty"),
+            ("blank", " \n", r"empty"),
+            ("not JSON", "hello", r"line 1, column 1"),
+            ("cut off", CHAIN[:-1], r"line 1, column"),
+            ("not UTF-8", b'{"name": "\xff"}', r"0xff is not valid UTF-8"),
+            ("NaN", CHAIN.replace('{"id": "1"}', '{"id": "1", "mass": NaN}'), r"NaN"),
+            ("an infinite number", CHAIN.replace('{"id": "1"}', '{"id": "1", "mass": 1e999}'), r"1e999|finite"),
+            ("an unknown key", CHAIN.replace('"parts": [{', '"prats": 1, "parts": [{'), r'"prats"'),
+            ("an unknown key inside", CHAIN.replace('{"id": "1"}', '{"id": "1", "weight": 1}'), r'parts\[0\].*"weight"'),
+            ("a wrong type", CHAIN.replace('{"id": "1"}', '{"id": 1}'), r"parts\[0\]\.id"),
+            ("an id twice", CHAIN.replace('{"id": "2"}', '{"id": "1"}'), r"parts\[1\]"),
+            ("a missing part", CHAIN.replace('["3", "4"]', '["3", "5"]'),
+             r'connections\[2\]\.parts\[1\]: no part "5"'),
+            ("a million connections", million, r"1,?000,?000|16,?384"),
+        ]:
+            with self.subTest(fault=name):
+                for problem, stdin in [(self.file("problem.json", content), ""), ("-", content)]:
+                    output = self.folder / "plan.json"
+                    answer = orasp("solve", problem, "-o", str(output), stdin=stdin)
+                    self.check_sentence(answer)
+                    self.assertIn("standard input" if problem == "-" else "problem.json", answer.error)
+                    self.assertRegex(answer.error, sentence)
+                    self.assertLess(len(answer.error), 500)
+                    self.assertFalse(output.exists())
+
+    def test_what_cannot_be_read_is_named(self):
+        plan = self.file("plan.json", "[]")
+        for arguments in [["solve", str(self.folder)], ["solve", str(self.folder / "none.json")],
+                          ["evaluate", "4brick", str(self.folder)], ["evaluate", "4brick", str(self.folder / "none")],
+                          ["evaluate", str(self.folder), plan], ["graph", str(self.folder)],
+                          ["compare", "4brick", str(self.folder)], ["sample", str(self.folder)],
+                          ["solve", "4brick", "--objective", str(self.folder / "none.json")]]:
+            with self.subTest(arguments=arguments):
+                answer = orasp(*arguments)
+                self.check_sentence(answer)
+                self.assertIn(str(self.folder), answer.error)
+
+    def test_a_plan_that_is_none_is_refused(self):
+        for content in ["", "{}", "[1]", '{"format": "orasp-plan/1"}', b"\xff\n"]:
+            with self.subTest(content=content):
+                answer = orasp("evaluate", "4brick", self.file("plan.json", content))
+                self.check_sentence(answer)
+                self.assertIn("plan.json", answer.error)
+
+    def test_control_characters_do_not_reach_the_terminal(self):
+        problem = CHAIN.replace('"name": "test"', '"name": "\\u001b[31mred"')
+        answer = orasp("solve", "-", stdin=problem)
+        self.assertNotIn("\x1b", answer.out + answer.error)
+        self.assertNotIn("\x1b", orasp("solve", "\x1b[31mred").error)
+
+
+class Solve(Case):
+    def test_status_decides_the_exit_code(self):
+        exact = [name for name in methods() if name not in ("auto", "greedy", "random")]
+        for method in ["auto", *exact]:
+            with self.subTest(method=method):
+                answer = orasp("solve", "-", "--method", method, stdin=CHAIN)
+                self.check(answer, 0, out=r"status   optimal \(proved\)\nreward   0\.557\n")
+        for method in ["greedy", "random"]:
+            with self.subTest(method=method):
+                self.check(orasp("solve", "-", "--method", method, stdin=CHAIN), 0,
+                           out=r"status   feasible \(not proved best\)")
+
+    def test_infeasible_is_ten_and_names_the_cycle(self):
+        for method in methods():
+            with self.subTest(method=method):
+                answer = orasp("solve", "-", "--method", method, stdin=CYCLE)
+                self.check(answer, 10, out=r"infeasible \(proved: no plan exists\)")
+                self.assertRegex(answer.out, r'"1-2" after "2-3".*"2-3" after "1-2"')
+        answer = orasp("solve", "-", "--json", stdin=CYCLE)
+        self.check(answer, 10)
+        plan = json.loads(answer.out)
+        self.assertEqual((plan["status"], plan["reward"], plan["steps"]), ("infeasible", None, []))
+
+    def test_the_json_has_the_keys_of_the_contract(self):
+        plan = json.loads(orasp("solve", "hubble", "--json").out)
+        self.assertLessEqual({"format", "problem", "problem_digest", "method", "status", "reward", "bound", "gap",
+                              "disassembly", "assembly", "steps", "statistics", "seed", "options"}, set(plan))
+        self.assertEqual(plan["format"], "orasp-plan/1")
+        self.assertEqual(plan["status"], "optimal")
+        self.assertAlmostEqual(plan["reward"], -0.9902, places=9)
+        self.assertEqual(len(plan["steps"]), 19)
+        self.assertEqual(set(plan["steps"][0]),
+                         {"step", "connection", "reward", "total", "separates", "pieces", "moved"})
+        self.assertLessEqual({"states", "actions", "expanded", "generated", "pruned", "seconds", "peak_bytes"},
+                             set(plan["statistics"]))
+        self.assertEqual(plan["assembly"], plan["disassembly"][::-1])
+
+    def test_the_same_seed_gives_the_same_bytes_times_aside(self):
+        def plan(*more):
+            found = json.loads(orasp("solve", "hubble-free", "--method", "random", "--json", *more).out)
+            found["statistics"]["seconds"] = 0
+            return found
+        self.assertEqual(plan("--seed", "7"), plan("--seed", "7", "--threads", "1"))
+        self.assertNotEqual(plan("--seed", "7")["disassembly"], plan("--seed", "8")["disassembly"])
+        self.assertEqual(plan("--seed", "7")["seed"], 7)
+
+    def test_changes_to_the_problem_are_applied_and_noted(self):
+        answer = orasp("solve", "4brick", "--objective", "time", "--direction", "assembly", "--json")
+        plan = json.loads(answer.out)
+        self.assertEqual(plan["reward"], -6)
+        self.assertEqual(plan["options"]["objective"], "time")
+        self.assertEqual(plan["options"]["direction"], "assembly")
+        self.check(orasp("solve", "4brick", "--max-moved-parts", "1"), 0, out=r"reward   0\.545\n")
+        self.check(orasp("solve", "4brick", "--max-subassemblies", "0"), 10)
+        self.check(orasp("solve", "4brick", "--max-moved-mass", "0.5"), 10)
+        objective = self.file("objective.json", '{"type": "piece_cost", "operation": 2}')
+        self.check(orasp("solve", "4brick", "--objective", objective), 0, out=r"reward   -4\n")
+
+    def test_a_file_beats_a_scenario_only_if_it_looks_like_one(self):
+        Path(self.folder / "hubble").write_text(CHAIN)
+        Path(self.folder / "mine").write_text(CHAIN)
+        self.check(orasp("solve", "hubble", cwd=self.folder), 0, out=r"\AHubble: 20 parts")
+        self.check(orasp("solve", "./hubble", cwd=self.folder), 0, out=r"\Atest: 4 parts")
+        self.check(orasp("solve", "mine", cwd=self.folder), 0, out=r"\Atest: 4 parts")
+
+    def test_value_iteration_has_its_options(self):
+        for more in [["--sweep-order", "textbook"], ["--initial-value", "-5.5"], ["--epsilon", "1e-6"]]:
+            with self.subTest(more=more):
+                self.check(orasp("solve", "lattice", "--method", "value-iteration", *more), 0, out=r"reward   0\.0735\n")
+        answer = orasp("solve", "lattice", "--method", "value-iteration", "--sweep-order", "textbook",
+                       "--max-sweeps", "1", "--json")
+        self.assertEqual(json.loads(answer.out)["options"]["max-sweeps"], 1)
+        self.assertNotEqual(json.loads(answer.out)["status"], "optimal")
+
+    def test_too_large_for_a_method_is_refused_at_once(self):
+        start = time.monotonic()
+        answer = orasp("solve", "jwst", "--method", "dijkstra", "--quiet")
+        self.check_sentence(answer)
+        self.assertRegex(answer.error, r"orasp-search|greedy")
+        self.assertLess(time.monotonic() - start, 30)
+
+    def test_warnings_go_to_standard_error_unless_quiet(self):
+        self.check(orasp("solve", "jwst", "--method", "greedy"), 0, error=r'orasp: warning: .*"161-161"')
+        self.check(orasp("solve", "jwst", "--method", "greedy", "--quiet"), 0, error=r"\A\Z")
+
+    def test_a_problem_without_connections_has_the_empty_plan(self):
+        for connections in ([], None):
+            problem = json.dumps({"format": "orasp-problem/1", "parts": [{"id": "1"}] if connections is None else [],
+                                  "connections": []})
+            self.check(orasp("solve", "-", stdin=problem), 0, out=r"optimal \(proved\)\nreward   0\n")
+
+
+class Output(Case):
+    def test_the_plan_is_written_and_the_summary_printed(self):
+        path = self.folder / "plan.json"
+        answer = orasp("solve", "hubble", "-o", str(path))
+        self.check(answer, 0, out=r"reward   -0\.9902\n")
+        self.assertEqual(json.loads(path.read_text())["format"], "orasp-plan/1")
+        self.assertEqual(os.listdir(self.folder), ["plan.json"])
+
+    def test_nothing_half_written_stays_behind(self):
+        old = self.folder / "old.json"
+        old.write_text("old")
+
+        def small_files_only():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+        answer = orasp("solve", "hubble", "-o", str(old), preexec_fn=small_files_only)
+        self.check_sentence(answer)
+        self.assertRegex(answer.error, r"cannot write .*old\.json: File too large")
+        self.assertEqual(old.read_text(), "old")
+        self.assertEqual(os.listdir(self.folder), ["old.json"])
+
+        for target in [self.folder, self.folder / "none" / "plan.json", "/proc/plan.json"]:
+            with self.subTest(target=target):
+                answer = orasp("solve", "hubble", "-o", str(target))
+                self.check_sentence(answer)
+                self.assertIn(str(target), answer.error)
+        self.assertEqual(os.listdir(self.folder), ["old.json"])
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write anywhere")
+    def test_a_folder_that_may_not_be_written(self):
+        os.chmod(self.folder, 0o555)
+        self.addCleanup(os.chmod, self.folder, 0o755)
+        self.check_sentence(orasp("solve", "hubble", "-o", str(self.folder / "plan.json")))
+
+    def test_standard_output_that_cannot_be_written_is_reported(self):
+        for arguments in (["solve", "hubble"], ["--help"], ["--version"], ["solve", "--help"], ["graph", "2x3", "--json"],
+                          ["scenarios"], ["completion", "bash"]):
+            with self.subTest(arguments=arguments):
+                with open("/dev/full", "wb") as full:
+                    done = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True)
+                self.assertEqual(done.returncode, 30)
+                self.assertRegex(done.stderr, r"\Aorasp: cannot write to standard output: No space left on device\n\Z")
+        done = subprocess.run(["bash", "-c", '"$0" solve hubble >&-', PROGRAM], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 30)
+        self.assertIn("cannot write to standard output", done.stderr)
+
+    def test_a_closed_output_is_not_mistaken_for_a_file(self):
+        path = self.folder / "plan.json"
+        subprocess.run(["bash", "-c", '"$0" solve jwst --method greedy -o "$1" <&- >&- 2>&-', PROGRAM, path], check=False)
+        self.assertEqual(json.loads(path.read_text())["format"], "orasp-plan/1")
+
+    def test_a_reader_that_goes_away_is_no_error(self):
+        reader, writer = os.pipe()
+        os.close(reader)
+        done = subprocess.run([PROGRAM, "solve", "hubble"], stdout=writer, stderr=subprocess.PIPE, text=True)
+        os.close(writer)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        done = subprocess.run(["bash", "-o", "pipefail", "-c", '"$0" graph chain:12 --dot - | head -1', PROGRAM],
+                              capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "digraph H {\n", ""))
+
+
+class Stopping(Case):
+    def start(self, *arguments, **options):
+        # A shell may have started us in the background with SIGINT ignored.
+        return subprocess.Popen([PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **options)
+
+    def test_ctrl_c_prints_the_best_plan_so_far(self):
+        for sign in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(signal=sign):
+                process = self.start(*ENDLESS, "--json")
+                time.sleep(1)
+                process.send_signal(sign)
+                out, error = process.communicate(timeout=20)
+                self.assertEqual(process.returncode, 20, error)
+                plan = json.loads(out)
+                self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "interrupted"))
+                self.assertEqual(len(plan["disassembly"]), 31)
+
+    def test_two_signals_at_the_same_time_are_one(self):
+        """timeout(1) sends one to the process and one to its group."""
+        process = self.start(*ENDLESS)
+        time.sleep(1)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.01)
+        process.poll() is None and process.send_signal(signal.SIGTERM)
+        out, _ = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 20)
+        self.assertIn("feasible (interrupted; not proved best)", out)
+
+    def test_an_ignored_signal_stays_ignored(self):
+        process = subprocess.Popen([PROGRAM, *ENDLESS, "--time-limit", "1.5"], stdout=subprocess.PIPE, text=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
+        time.sleep(0.7)
+        process.send_signal(signal.SIGINT)
+        self.assertIn("stopped by the time limit", process.communicate(timeout=20)[0])
+
+    def test_compare_and_sample_print_what_they_have(self):
+        process = self.start("compare", "4brick", "iss", "--methods", "greedy,orasp-search", "--json")
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 20, error)
+        rows = json.loads(out)["rows"]
+        self.assertEqual([row["method"] for row in rows], ["greedy", "orasp-search"] * 2)
+        self.assertEqual(rows[-1]["message"].split(";")[0], "interrupted")
+
+        process = self.start("sample", "jwst", "-n", "1000000000", "--json", "--quiet")
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 20, error)
+        sample = json.loads(out)
+        self.assertGreater(sample["n"], 0)
+        self.assertEqual(sample["n"], len(sample["rewards"]))
+
+    def test_a_time_limit_ends_with_the_best_so_far(self):
+        start = time.monotonic()
+        answer = orasp(*ENDLESS, "--time-limit", "0.5")
+        self.check(answer, 20, out=r"feasible \(stopped by the time limit; not proved best\)")
+        self.assertLess(time.monotonic() - start, 20)
+
+    def test_a_memory_limit_ends_with_the_best_so_far(self):
+        answer = orasp(*ENDLESS, "--memory-limit", "2", "--json")
+        self.check(answer, 20)
+        self.assertEqual(json.loads(answer.out)["stopped"], "memory limit")
+
+
+class Terminal(Case):
+    def on_terminal(self, *arguments, environment=None):
+        """What the program writes where standard output and standard error are terminals: (code, out, error)."""
+        ends = [pty.openpty(), pty.openpty()]
+        process = subprocess.Popen([PROGRAM, *arguments], stdin=subprocess.DEVNULL, stdout=ends[0][1], stderr=ends[1][1],
+                                   env=dict(os.environ, TERM="xterm", **(environment or {})))
+        texts = []
+        for _, inner in ends:
+            os.close(inner)
+        code = process.wait(timeout=60)
+        for outer, _ in ends:
+            text = b""
+            try:
+                while piece := os.read(outer, 65536):
+                    text += piece
+            except OSError:
+                pass  # Linux's word for the end of a terminal
+            os.close(outer)
+            texts.append(text.decode())
+        return code, *texts
+
+    def test_progress_is_shown_after_a_second_and_cleared(self):
+        code, _, error = self.on_terminal(*ENDLESS, "--time-limit", "2")
+        self.assertEqual(code, 20)
+        self.assertRegex(error, r"\r\x1b\[KInternational Space Station, orasp-search: ")
+        self.assertTrue(error.endswith("\r\x1b[K"))
+        self.assertEqual(self.on_terminal(*ENDLESS, "--time-limit", "2", "--quiet")[2], "")
+        self.assertEqual(self.on_terminal("solve", "hubble")[2], "")
+        self.assertEqual(orasp(*ENDLESS, "--time-limit", "2").error, "")
+
+    def test_colour_only_on_a_terminal_that_wants_it(self):
+        self.assertIn("\x1b[32moptimal\x1b[0m", self.on_terminal("solve", "4brick")[1])
+        self.assertNotIn("\x1b", self.on_terminal("solve", "4brick", environment={"NO_COLOR": "1"})[1])
+        self.assertNotIn("\x1b", orasp("solve", "4brick").out)
+
+
+class Evaluate(Case):
+    def test_a_solved_plan_is_valid_whichever_way_it_comes(self):
+        plan = orasp("solve", "lattice", "--json").out
+        order = json.loads(plan)["disassembly"]
+        for text in [plan, json.dumps(order), "# by hand\n" + "\n".join(order) + "\n"]:
+            answer = orasp("evaluate", "lattice", "-", "--json", stdin=text)
+            self.check(answer, 0, error=r"\A\Z")
+            verdict = json.loads(answer.out)
+            self.assertEqual(set(verdict), {"valid", "reward", "steps", "violations"})
+            self.assertEqual((verdict["valid"], verdict["steps"], verdict["violations"]), (True, 12, []))
+            self.assertAlmostEqual(verdict["reward"], 0.0735, places=9)
+        self.check(orasp("evaluate", "lattice", self.file("plan", plan)), 0, out=r"the plan is valid\nreward   0\.0735\n")
+
+    def test_every_violation_is_named(self):
+        problem = self.file("p.json", assembly(["1-2", "2-3", "3-4"],
+                                               precedence=[{"connection": "1-2", "after": ["3-4"]}],
+                                               limits={"max_moved_parts": 1}))
+        answer = orasp("evaluate", problem, "-", "--json", stdin='["1-2", "2-3", "2-3", "x"]')
+        self.check(answer, 10)
+        verdict = json.loads(answer.out)
+        self.assertFalse(verdict["valid"])
+        for violation in verdict["violations"]:
+            self.assertEqual(set(violation), {"step", "connection", "constraint", "message"})
+        found = [(v["step"], v["connection"], v["constraint"]) for v in verdict["violations"]]
+        self.assertEqual(found[0], (1, "1-2", "precedence"))
+        self.assertIn((4, "x"), [entry[:2] for entry in found])
+        answer = orasp("evaluate", problem, "-", stdin='["2-3", "1-2", "3-4"]')
+        self.check(answer, 10, out=r"step 1, 2-3: max_moved_parts: ")
+
+    def test_a_plan_for_another_problem_is_worth_a_warning(self):
+        plan = self.file("plan.json", orasp("solve", "4brick", "--json").out)
+        answer = orasp("evaluate", "4brick", plan, "--objective", "time")
+        self.check(answer, 0, out=r"reward   -6\n", error=r"\Aorasp: warning: .*problem_digest differs\n\Z")
+        self.check(orasp("evaluate", "4brick", plan, "--objective", "time", "--quiet"), 0, error=r"\A\Z")
+
+    def test_assembly_plans_are_read_in_their_own_direction(self):
+        plan = orasp("solve", "hubble", "--direction", "assembly", "--objective", "indexed", "--json").out
+        answer = orasp("evaluate", "hubble", "-", "--direction", "assembly", "--objective", "indexed", "--json", stdin=plan)
+        self.check(answer, 0)
+        self.assertAlmostEqual(json.loads(answer.out)["reward"], json.loads(plan)["reward"])
+
+
+class Graph(Case):
+    def test_sizes_are_those_of_the_reference(self):
+        for name, states, actions in [("lattice", 1296, 6048), ("hubble", 12096, 67824), ("2x3", 96, 304)]:
+            with self.subTest(name=name):
+                answer = orasp("graph", name, "--json")
+                self.check(answer, 0)
+                size = json.loads(answer.out)
+                self.assertEqual(set(size), {"states", "actions", "layers", "dead_ends", "tree_nodes", "sequences",
+                                             "seconds"})
+                self.assertEqual((size["states"], size["actions"], size["dead_ends"]), (states, actions, 0))
+                self.assertEqual(sum(layer["states"] for layer in size["layers"]), states)
+                self.assertEqual(sum(layer["actions"] for layer in size["layers"]), actions)
+        self.check(orasp("graph", "lattice"), 0, out=r"1,296 states, 6,048 actions, 0 dead ends")
+
+    def test_numbers_past_two_to_the_53_are_strings(self):
+        small = json.loads(orasp("graph", "4brick", "--json").out)
+        self.assertEqual((small["tree_nodes"], small["sequences"]), (16, 6))  # 1 + 3 + 6 + 6
+        large = json.loads(orasp("graph", "hubble-free", "--json").out)
+        self.assertEqual(large["sequences"], str(121645100408832000))  # 19!
+
+    def test_an_infeasible_problem_is_ten(self):
+        self.check(orasp("graph", "-", stdin=CYCLE), 10, out=r"infeasible \(proved\)")
+        size = json.loads(orasp("graph", "-", "--json", stdin=CYCLE).out)
+        self.assertEqual((size["states"], size["dead_ends"], size["sequences"]), (1, 1, 0))
+
+    def test_drawings_are_written(self):
+        dot, svg = self.folder / "h.dot", self.folder / "h.svg"
+        self.check(orasp("graph", "4piece", "--dot", str(dot), "--svg", str(svg)), 0, out=r"16 states, 32 actions")
+        self.assertEqual(dot.read_text().count(" -> "), 32)
+        self.assertEqual(svg.read_text().count('class="edge"'), 32)
+        self.assertEqual(orasp("graph", "4piece", "--dot", "-").out, dot.read_text())
+        self.assertEqual(orasp("graph", "4piece", "--svg", "-").out, svg.read_text())
+
+    def test_too_large_to_draw_and_no_program_to_draw_with(self):
+        svg = self.folder / "h.svg"
+        self.check_sentence(orasp("graph", "hubble", "--svg", str(svg)))
+        answer = orasp("graph", "4piece", "--svg", str(svg), environment={"PATH": "/nonexistent"})
+        self.check_sentence(answer)
+        self.assertIn("Debian package graphviz", answer.error)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_a_program_that_fails_to_draw(self):
+        dot = self.folder / "dot"
+        dot.write_text("#!/bin/sh\necho 'no such luck' >&2\nexit 3\n")
+        dot.chmod(0o755)
+        answer = orasp("graph", "4piece", "--svg", str(self.folder / "h.svg"),
+                       environment={"PATH": f"{self.folder}:{os.environ['PATH']}"})
+        self.check_sentence(answer)
+        self.assertRegex(answer.error, r"exit code 3: no such luck")
+        self.assertEqual(os.listdir(self.folder), ["dot"])
+
+    def test_a_limit_gives_the_layers_so_far(self):
+        answer = orasp("graph", "chain:22", "--time-limit", "0.05", "--json")
+        self.check(answer, 20)
+        size = json.loads(answer.out)
+        self.assertEqual((size["stopped"], size["sequences"], size["tree_nodes"]), ("time limit", None, None))
+        self.assertGreater(size["states"], 1)
+
+
+class Compare(Case):
+    KEYS = ["problem", "method", "status", "reward", "bound", "seconds", "states", "actions", "expanded", "generated",
+            "pruned", "message"]
+
+    def test_every_exact_method_agrees_and_is_there_by_default(self):
+        answer = orasp("compare", "2x3", "4brick", "--json")
+        self.check(answer, 0, error=r"\A\Z")
+        document = json.loads(answer.out)
+        self.assertEqual(list(document), ["rows"])
+        rows = document["rows"]
+        for row in rows:
+            self.assertEqual(list(row), self.KEYS)
+            self.assertEqual(row["status"], "optimal")
+            self.assertAlmostEqual(row["reward"], {"2x3": 0.3636, "4brick": 0.557}[row["problem"]], places=9)
+        self.assertLessEqual({"value-iteration", "dijkstra", "bellman-ford", "orasp-search", "exhaustive"},
+                             {row["method"] for row in rows})
+
+    def test_a_method_that_refuses_has_a_row_where_it_was_named(self):
+        answer = orasp("compare", "jwst", "--methods", "dijkstra,greedy", "--json", "--quiet")
+        self.check(answer, 0)
+        refused, greedy = json.loads(answer.out)["rows"]
+        self.assertEqual((refused["method"], refused["status"], refused["reward"]), ("dijkstra", "refused", None))
+        self.assertIn("state-action graph", refused["message"])
+        self.assertEqual(greedy["status"], "feasible")
+        rows = json.loads(orasp("compare", "grid:4x3", "--json", "--time-limit", "20").out)["rows"]  # 17 connections
+        self.assertNotIn("exhaustive", [row["method"] for row in rows])
+
+    def test_the_table_in_other_forms(self):
+        name = self.folder / 'a, "b".json'
+        name.write_text(CHAIN)
+        answer = orasp("compare", str(name), "jwst", "--methods", "dijkstra,greedy", "--csv", "--quiet")
+        rows = list(csv.DictReader(io.StringIO(answer.out)))
+        self.assertEqual(list(rows[0]), self.KEYS)
+        self.assertEqual([row["problem"] for row in rows], [str(name)] * 2 + ["jwst"] * 2)
+        self.assertAlmostEqual(float(rows[0]["reward"]), 0.557)
+        self.assertEqual(rows[2]["status"], "refused")
+        lines = orasp("compare", "4brick", "--methods", "greedy,dijkstra", "--markdown").out.splitlines()
+        self.assertEqual(len(lines), 4)
+        self.assertRegex(lines[0], r"^\| problem +\| method +\| status +\| reward +\| seconds +\| states")
+        self.assertEqual(len({line.count("|") for line in lines}), 1)
+
+    def test_a_limit_holds_for_each_run_and_is_no_failure(self):
+        answer = orasp("compare", "iss", "--methods", "orasp-search,greedy", "--time-limit", "0.3", "--json")
+        self.check(answer, 0)
+        self.assertEqual(json.loads(answer.out)["rows"][0]["message"].split(";")[0], "stopped by the time limit")
+
+    def test_the_table_is_written_too(self):
+        path = self.folder / "table"
+        answer = orasp("compare", "4brick", "--methods", "greedy", "--csv", "-o", str(path))
+        self.assertEqual(path.read_text(), answer.out)
+        orasp("compare", "4brick", "--methods", "greedy", "-o", str(path))
+        self.assertEqual(json.loads(path.read_text())["rows"][0]["method"], "greedy")
+
+
+class Sample(Case):
+    def test_the_figures_are_those_of_the_rewards(self):
+        answer = orasp("sample", "hubble-free", "-n", "101", "--seed", "3", "--json")
+        self.check(answer, 0)
+        sample = json.loads(answer.out)
+        self.assertEqual(list(sample), ["n", "seed", "mean", "deviation", "min", "quartiles", "max", "rewards"])
+        rewards = sample["rewards"]
+        self.assertEqual((sample["n"], sample["seed"], len(rewards)), (101, 3, 101))
+        self.assertAlmostEqual(sample["mean"], statistics.mean(rewards))
+        self.assertAlmostEqual(sample["deviation"], statistics.stdev(rewards))
+        self.assertEqual((sample["min"], sample["max"]), (min(rewards), max(rewards)))
+        for ours, theirs in zip(sample["quartiles"], statistics.quantiles(rewards, n=4, method="inclusive")):
+            self.assertAlmostEqual(ours, theirs)
+
+    def test_the_same_seed_gives_the_same_bytes_and_longer_samples_begin_alike(self):
+        first = orasp("sample", "hubble", "-n", "20", "--json").out
+        self.assertEqual(first, orasp("sample", "hubble", "-n", "20", "--seed", "1", "--json").out)
+        longer = json.loads(orasp("sample", "hubble", "-n", "30", "--json").out)
+        self.assertEqual(longer["rewards"][:20], json.loads(first)["rewards"])
+
+    def test_evaluate_agrees_with_each_sampled_sequence(self):
+        for changes in ([], ["--direction", "assembly"]):
+            sample = json.loads(orasp("sample", "hubble-upc", "-n", "5", "--json", "--sequences", *changes).out)
+            self.assertEqual(len(sample["sequences"]), 5)
+            for reward, sequence in zip(sample["rewards"], sample["sequences"]):
+                answer = orasp("evaluate", "hubble-upc", "-", "--json", *changes, stdin=json.dumps(sequence))
+                self.check(answer, 0)
+                self.assertAlmostEqual(json.loads(answer.out)["reward"], reward)
+
+    def test_one_reward_has_no_deviation(self):
+        sample = json.loads(orasp("sample", "hubble", "-n", "1", "--json").out)
+        self.assertEqual(sample["deviation"], 0)
+        self.assertEqual(sample["quartiles"], sample["rewards"] * 3)
+
+    def test_an_infeasible_problem_is_ten(self):
+        self.check(orasp("sample", "-", stdin=CYCLE), 10, out=r'"1-2" after "2-3"')
+        answer = orasp("sample", "-", "--json", stdin=CYCLE)
+        self.check(answer, 10, error=r'"1-2" after "2-3"')
+        self.assertEqual(json.loads(answer.out)["n"], 0)
+
+    def test_people_see_a_histogram(self):
+        self.check(orasp("sample", "hubble", "-n", "200"), 0, out=r"mean +-\d.*\n(.*\n)+rewards from\n(.*#.*\n)+")
+
+
+class Scenarios(Case):
+    def test_each_can_be_printed_and_solved_from_standard_input(self):
+        listing = json.loads(orasp("scenarios", "--json").out)
+        names = [entry["name"] for entry in listing]
+        self.assertLessEqual({"lattice", "hubble", "jwst-upc", "chain:N"}, set(names))
+        human = orasp("scenarios").out
+        for entry in listing:
+            self.assertEqual(set(entry), {"name", "parts", "connections", "summary", "generator"})
+            self.assertRegex(human, rf"(?m)^{re.escape(entry['name'])} ")
+            if entry["generator"]:
+                continue
+            with self.subTest(name=entry["name"]):
+                problem = json.loads(orasp("scenarios", entry["name"]).out)
+                self.assertEqual(len(problem["parts"]), entry["parts"])
+                self.assertEqual(len(problem["connections"]), entry["connections"])
+        text = orasp("scenarios", "grid:3x3").out
+        by_name = json.loads(orasp("solve", "grid:3x3", "--json").out)
+        by_file = json.loads(orasp("solve", "-", "--json", stdin=text).out)
+        self.assertEqual(by_name["problem_digest"], by_file["problem_digest"])
+        self.assertEqual(by_name["disassembly"], by_file["disassembly"])
+
+    def test_it_can_be_written_to_a_file(self):
+        path = self.folder / "lattice.json"
+        answer = orasp("scenarios", "lattice", "-o", str(path))
+        self.assertEqual(path.read_text(), answer.out)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
+        sys.exit(__doc__)
+    PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()
