@@ -1,6 +1,7 @@
 #include "cli/command_compare.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -226,7 +227,7 @@ bool add_rows(const Problem& problem, const std::string& name,
 }  // namespace
 
 int run(const CompareOptions& options, const Context& context) {
-  if (int{options.json} + int{options.csv} + int{options.markdown} > 1)
+  if (std::ranges::count(std::array{options.json, options.csv, options.markdown}, true) > 1)
     throw InputError("only one of --json, --csv and --markdown can be given");
   const std::vector<const Planner*> methods = chosen_methods(options.methods);
   const std::vector<Problem> problems = load_all(options, context);

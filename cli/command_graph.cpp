@@ -1,5 +1,7 @@
 #include "cli/command_graph.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <utility>
@@ -98,8 +100,8 @@ std::string drawing(const StateGraph& graph, const Budget& budget) {
 }
 
 void refuse_wrong_outputs(const GraphOptions& options) {
-  const int to_stdout = int{options.dot == "-"} + int{options.svg == "-"} + int{options.json};
-  if (to_stdout > 1)
+  const std::array to_stdout = {options.json, options.dot == "-", options.svg == "-"};
+  if (std::ranges::count(to_stdout, true) > 1)
     throw InputError("only one of --json, --dot - and --svg - can be on standard output");
 }
 

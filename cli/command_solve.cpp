@@ -113,8 +113,8 @@ std::string statistics_text(const Statistics& statistics) {
 
 std::string opposite_order(const Problem& problem, const Result& result, std::size_t width) {
   std::vector<std::string> ids;
-  for (auto c = result.sequence.rbegin(); c != result.sequence.rend(); ++c)
-    ids.push_back(problem.connection_id(*c));
+  for (const ConnectionIndex c : result.sequence) ids.push_back(problem.connection_id(c));
+  std::ranges::reverse(ids);
   const bool assembly = problem.direction() == Direction::Assembly;
   return fmt::format("\n{} order\n{}", assembly ? "disassembly" : "assembly",
                      wrapped_list(ids, 2, width));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <string_view>
 
 namespace orasp::cli {
@@ -9,7 +10,7 @@ namespace orasp::cli {
 /// error.
 class Context {
  public:
-  explicit Context(bool quiet) : quiet_(quiet) {}
+  explicit Context(bool quiet);
 
   /// Writes a result. A reader that has gone away (`| head -1`) is no error. @throws InputError if
   /// it cannot be written.
@@ -18,14 +19,18 @@ class Context {
   void warn(std::string_view sentence) const;
 
   /// Standard output is a terminal and NO_COLOR is not set (https://no-color.org).
-  [[nodiscard]] bool colour() const;
+  [[nodiscard]] bool colour() const { return colour_; }
   /// Columns of the terminal, 100 where standard output is none.
-  [[nodiscard]] std::size_t width() const;
+  [[nodiscard]] std::size_t width() const { return width_; }
   /// Standard error is a terminal and --quiet was not given.
-  [[nodiscard]] bool shows_progress() const;
+  [[nodiscard]] bool shows_progress() const { return shows_progress_; }
 
  private:
+  std::FILE* out_;
   bool quiet_;
+  bool colour_;
+  std::size_t width_;
+  bool shows_progress_;
 };
 
 /// `orasp: ...` on standard error.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <functional>
 #include <new>
 #include <sstream>
@@ -193,7 +194,7 @@ class CommandLine {
   }
   /// An option without its value, a flag with one; otherwise what CLI11 says.
   [[nodiscard]] std::string sentence(const CLI::ParseError& error) const {
-    const std::string message = error.what();
+    std::string message = error.what();
     const std::string name = message.substr(0, message.find_first_of(": "));
     if (error.get_name() == "ArgumentMismatch" && app_.get_option_no_throw("--" + name) != nullptr)
       return fmt::format("--{} takes no value", name);
@@ -252,9 +253,8 @@ void add_limit_options(CommandLine& line, LimitOptions& limits, const std::strin
             fmt::format("Stop{} after this time with the best so far (default: none).", of),
             limits.time_limit, Sign::Positive);
   line.whole("--memory-limit", "MIB",
-             "Stop where the method's own tables hold more MiB than this; refuse at once what is "
-             "sure to (default: "
-             "three quarters of the machine's).",
+             "Stop where the method's own tables hold more than this; refuse at once what is sure "
+             "to need more (default: three quarters of the machine's memory).",
              limits.memory_limit, 1, std::uint64_t{1} << 40);
   line.whole("--threads", "N",
              "Threads of the methods that build H (default: all of the machine's).", limits.threads,
@@ -265,9 +265,10 @@ void add_output_options(CommandLine& line, bool& json, std::string& output, bool
                         const std::string& result) {
   line.group("Output");
   line.flag("--json", json, fmt::format("Print {} as JSON (default: text for people).", result));
-  line.text("-o,--output", "FILE",
-            fmt::format("Write {} to FILE too, whole or not at all (default: none).", result),
-            output);
+  line.text(
+      "-o,--output", "FILE",
+      fmt::format("Write {} as JSON to FILE too, whole or not at all (default: none).", result),
+      output);
   line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
 }
 
@@ -305,7 +306,7 @@ int solve_command(const Arguments& arguments) {
               "\nExamples:\n"
               "  orasp solve hubble\n"
               "  orasp solve product.json --method orasp-search --time-limit 60 -o plan.json\n"
-              "  orasp solve jwst --objective time --direction assembly\n"
+              "  orasp solve jwst --objective time --direction assembly --time-limit 10\n"
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
@@ -317,9 +318,8 @@ int graph_command(const Arguments& arguments) {
   GraphOptions options;
   bool quiet = false;
   CommandLine line("graph",
-                   "Builds the state-action graph H and prints its size, layer by layer, and that "
-                   "of the tree H~ that\n"
-                   "repeats a state for every order that reaches it.");
+                   "Builds the state-action graph H and prints its size, layer by layer, and that\n"
+                   "of the tree H~ that repeats a state for every order that reaches it.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Drawing");
   line.text("--dot", "FILE",
@@ -395,9 +395,8 @@ int sample_command(const Arguments& arguments) {
   SampleOptions options;
   bool quiet = false;
   CommandLine line("sample",
-                   "Draws random legal sequences, every legal action of a state as likely as any "
-                   "other, and describes\n"
-                   "their rewards.");
+                   "Draws random legal sequences, every legal action of a state as likely as any\n"
+                   "other, and describes their rewards.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Sample");
   line.whole("-n,--count", "N", "Sequences to draw (default: 100).", options.count, 1);
@@ -477,7 +476,7 @@ std::string usage() {
 
 int dispatch(const Arguments& arguments) {
   if (arguments.empty()) {
-    fmt::print(stderr, "{}", usage());
+    std::fputs(usage().c_str(), stderr);
     return kWrongInput;
   }
   const std::string& name = arguments.front();

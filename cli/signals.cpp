@@ -21,7 +21,7 @@ bool is_ignored(int signal) {
 /// process and once for its group.
 constexpr std::chrono::milliseconds kOneRequest{300};
 
-void wait_for_signals(const sigset_t& signals, std::stop_source stop) {
+void wait_for_signals(const sigset_t& signals, const std::stop_source& stop) {
   int signal = 0;
   if (sigwait(&signals, &signal) != 0) return;
   const auto first = std::chrono::steady_clock::now();

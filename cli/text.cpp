@@ -96,7 +96,7 @@ std::string seconds_text(double seconds) {
 
 std::string bytes_text(std::uint64_t bytes) {
   constexpr double kStep = 1024;
-  double size = static_cast<double>(bytes);
+  auto size = static_cast<double>(bytes);
   const char* unit = "bytes";
   for (const char* larger : {"KiB", "MiB", "GiB", "TiB"}) {
     if (size < kStep) break;

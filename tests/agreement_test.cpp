@@ -14,6 +14,7 @@
 #include "orasp/model/error.h"
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/graph_size.h"
+#include "orasp/planners/greedy.h"
 #include "orasp/planners/state_graph.h"
 #include "tests/checks.h"
 #include "tests/oracle.h"
@@ -162,6 +163,39 @@ TEST_P(Agreement, ConnectionBoundIsAdmissibleAndConsistentInEveryState) {
   });
 }
 
+// The same for the bound from sizes, where it says anything; and what is claimed of plans that meet it.
+TEST_P(Agreement, SizeBoundIsAdmissibleAndConsistentInEveryState) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    SizeBound bound(system);
+    if (!bound.known()) return;
+    const oracle::World world(spec);
+    for (const auto& [state, value] : truth.best_to_go) {
+      const double here = bound(oracle::set_of(state).view());
+      ASSERT_TRUE(std::isfinite(here));
+      EXPECT_GE(here, value - reward_tolerance(here));
+      for (const oracle::Facts& action : world.legal_facts(state)) {
+        oracle::State next = state;
+        next[action.connection] = false;
+        const double there = bound(oracle::set_of(next).view());
+        EXPECT_GE(here - there, action.reward - reward_tolerance(here));
+      }
+    }
+    const Planner& planner = find_planner("greedy");
+    Result guided = guided_greedy(system, bound, Budget{});
+    guided.method = planner.name;
+    expect_honest(problem, truth, planner, guided);
+    const Result at_bound = plan_at_bound(system, bound, Budget{});
+    EXPECT_TRUE(at_bound.status != Status::Infeasible || !truth.feasible);
+    EXPECT_TRUE(at_bound.status != Status::Optimal || problem.num_connections() == 0);
+    if (at_bound.has_plan()) {
+      EXPECT_TRUE(oracle::replay(spec, at_bound.sequence).valid);
+      EXPECT_LE(at_bound.reward, truth.best + reward_tolerance(truth.best));
+    }
+  });
+}
+
 TEST_P(Agreement, OracleAgreesWithPlainEnumeration) {
   for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
     if (spec.connections.size() > 6) return;
@@ -207,6 +241,9 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
       !TransitionSystem(Problem(spec)).infeasibility()) {
     features.insert("infeasible, found by search only");
   }
+  const Problem sized(spec);
+  const TransitionSystem sized_system(sized);
+  if (SizeBound(sized_system).known()) features.insert("bound from sizes");
   if (truth.feasible && truth.best - truth.worst > 1e-6)
     features.insert("plans of different rewards");
 
@@ -295,6 +332,7 @@ TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
       {"infeasible, found by search only", 40},
       {"feasible with dead ends", 40},
       {"plans of different rewards", 150},
+      {"bound from sizes", 100},
       {"after", 150},
       {"after_any", 60},
       {"several entries on one connection", 40},

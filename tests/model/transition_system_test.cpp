@@ -119,6 +119,36 @@ TEST_P(TransitionSystemOnRandomProblems, AgreesWithTheOracleInEveryReachableStat
   }
 }
 
+// Many states in one call, in any company: the same actions and, bit for bit, the same rewards.
+TEST_P(TransitionSystemOnRandomProblems, ExpandsManyStatesAsOneByOne) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const ProblemSpec spec =
+        random_problem(6000 + static_cast<std::uint64_t>(GetParam()) * 60 + seed);
+    SCOPED_TRACE(spec.name);
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    Expander many(system);
+    Expander single(system);
+    std::vector<std::uint64_t> states;
+    for (const auto& [open, value] : oracle::brute_force(spec).best_to_go) {
+      const ConnectionSet set = oracle::set_of(open);
+      states.insert(states.end(), set.view().begin(), set.view().end());
+    }
+    std::size_t visited = 0;
+    many.for_each_expansion(states, [&](std::size_t i, std::span<const Action> actions) {
+      EXPECT_EQ(i, visited++);
+      const auto expected = single.legal_actions(std::span(states).subspan(i, 1));
+      ASSERT_EQ(actions.size(), expected.size());
+      for (std::size_t k = 0; k < actions.size(); ++k) {
+        EXPECT_EQ(actions[k].connection, expected[k].connection);
+        EXPECT_EQ(actions[k].reward, expected[k].reward);
+      }
+    });
+    EXPECT_EQ(visited, states.size());
+    if (HasFailure()) return;
+  }
+}
+
 // The checker judges illegal steps too, and replanning starts anywhere.
 TEST_P(TransitionSystemOnRandomProblems, AgreesWithTheOracleInEverySetOfConnections) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {

@@ -20,8 +20,6 @@
 #include "orasp/io/atomic_file.h"
 #include "orasp/model/error.h"
 
-extern char** environ;
-
 namespace orasp {
 namespace {
 
@@ -86,7 +84,7 @@ class StateNames {
   }
   [[nodiscard]] std::string brief(SetView open) const {
     constexpr std::size_t kLongest = 52;
-    const std::string name = full(open);
+    std::string name = full(open);
     if (name.size() <= kLongest) return name;
     const std::size_t left = count(open);
     const bool assembly = problem_.direction() == Direction::Assembly;

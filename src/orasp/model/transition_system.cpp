@@ -73,12 +73,6 @@ enum class TermKind {
   Callable
 };
 
-/// Whether a reward depends on sizes and counts only, not on which parts are on which side.
-constexpr bool is_counting(TermKind kind) {
-  return kind == TermKind::PieceCost || kind == TermKind::CubesatZone ||
-         kind == TermKind::Indexed || kind == TermKind::Completion;
-}
-
 /// One addend of the objective with its parameters resolved.
 struct Term {
   TermKind kind = TermKind::PieceCost;
@@ -90,6 +84,10 @@ struct Term {
   Vector3 depot{};
   const Expression* expression = nullptr;
   const Callable* callable = nullptr;
+  /// The reward depends on sizes and counts only, not on which parts are on which side: always so for some kinds, and for
+  /// Fuel where all masses are equal (to `part_mass`), for Time where no part has a position.
+  bool counting = false;
+  double part_mass = 0;  ///< kg
 };
 
 double zone_cost(std::size_t parts, std::size_t piece_parts, bool whole_start) {
@@ -103,6 +101,14 @@ double zone_cost(std::size_t parts, std::size_t piece_parts, bool whole_start) {
     default:
       return 0;
   }
+}
+
+double fuel_reward(const Term& term, double moved_mass) {
+  return 0.0 - (term.p * term.q + (term.p + moved_mass) * term.q);
+}
+
+double time_reward(const Term& term, double duration, std::optional<double> metres) {
+  return 0.0 - (duration + (metres ? 2 * *metres / term.p : term.q));
 }
 
 /// The objectives that see nothing but sizes: a step that cuts a piece into a and b parts (0 and 0: it separates

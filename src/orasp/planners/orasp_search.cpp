@@ -85,9 +85,10 @@ class Search {
     frames_.push_back(actions_.size());
     actions_.insert(actions_.end(), legal.begin(), legal.end());
     // Best reward first, then lowest connection; they are taken from the back.
-    const auto mine = std::span(actions_).subspan(frames_.back());
-    std::ranges::reverse(mine);
-    std::ranges::stable_sort(mine, std::ranges::less{}, &Action::reward);
+    std::ranges::sort(
+        std::span(actions_).subspan(frames_.back()), [](const Action& a, const Action& b) {
+          return a.reward != b.reward ? a.reward < b.reward : a.connection > b.connection;
+        });
     ++result_.statistics.expanded;
     if (result_.statistics.expanded % 1024 == 0 || budget_.max_expansions < 1024) {
       result_.stop = bytes() > allowed_ ? Stop::MemoryLimit

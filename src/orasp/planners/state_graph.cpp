@@ -429,13 +429,43 @@ double graph_bytes(const TransitionSystem& system, double states, double actions
   return states * (key + 8 + 8) + actions * 7 + widest_layer_actions * (key + 11);
 }
 
+/// False where a state of a disassembly can be seen not to occur: a connection is gone before one that it comes after,
+/// or there are too many subassemblies. In assembly such states are reached (and are dead ends).
+bool breaks_no_rule(const TransitionSystem& system, SetView open) {
+  const Problem& problem = system.problem();
+  if (problem.direction() == Direction::Assembly) return true;
+  const auto present = [&](ConnectionIndex c) { return contains(open, c); };
+  for (const PrecedenceClause& clause : problem.precedence()) {
+    if (present(clause.connection)) continue;
+    if (std::ranges::any_of(clause.after, present)) return false;
+    if (!clause.after_any.empty() && std::ranges::all_of(clause.after_any, present)) return false;
+  }
+  const auto most = problem.limits().max_subassemblies;
+  return !most || system.subassemblies(open) <= *most;
+}
+
+/// Whether some legal action leads into a state, as far as can be seen from the states before it.
+bool has_a_way_in(const TransitionSystem& system, Expander& expander, ConnectionSet& open) {
+  if (!breaks_no_rule(system, open.view())) return false;
+  bool at_start = true;
+  for (ConnectionIndex c = 0; c < open.universe(); ++c) {
+    if (open.contains(c)) continue;
+    at_start = false;
+    open.insert(c);
+    const bool way = breaks_no_rule(system, open.view()) && expander.legal(open.view(), c);
+    open.erase(c);
+    if (way) return true;
+  }
+  return at_start;
+}
+
 /// Sequential Monte Carlo over the layers (Gordon, Salmond, Smith 1993; for counting, Knuth 1975).
 /// With s uniform in layer k and s' a uniform successor, the mean of b(s) / p(s') is N(k+1) / N(k);
 /// particles are then resampled by these weights. Ways into s' that only come from unreachable
-/// states are counted too, which makes it low at worst.
+/// states are counted too, which makes the estimate low.
 GraphEstimate sampled(const TransitionSystem& system) {
   const std::size_t n = system.num_connections();
-  const std::size_t particles = n <= 64 ? 64 : 8;
+  const std::size_t particles = n <= 64 ? 256 : 8;
   const std::size_t probes = n <= 64 ? 24 : 8;
   SplitMix64 random(1);
   Expander expander(system);
@@ -467,7 +497,9 @@ GraphEstimate sampled(const TransitionSystem& system) {
       for (std::size_t i = 0; i < looked_at; ++i) {
         std::swap(handled[i], handled[i + random.below(all - i)]);
         successor.insert(handled[i]);
-        if (expander.legal(successor.view(), handled[i])) ++legal;
+        if (expander.legal(successor.view(), handled[i]) &&
+            has_a_way_in(system, expander, successor))
+          ++legal;
         successor.erase(handled[i]);
       }
       const double ways_in = std::max(1.0, static_cast<double>(legal) * static_cast<double>(all) /
