@@ -92,14 +92,10 @@ struct Term {
 
 double zone_cost(std::size_t parts, std::size_t piece_parts, bool whole_start) {
   switch (parts) {
-    case 1:
-      return piece_parts >= 4 || whole_start ? 0.0967 : 0.0823;
-    case 2:
-      return 0.0722;
-    case 3:
-      return 0.0782;
-    default:
-      return 0;
+    case 1: return piece_parts >= 4 || whole_start ? 0.0967 : 0.0823;
+    case 2: return 0.0722;
+    case 3: return 0.0782;
+    default: return 0;
   }
 }
 
@@ -127,8 +123,7 @@ double time_reward(const Term& term, double duration, std::optional<double> metr
       return 0.0 - (zone_cost(a, a + b, whole) + zone_cost(b, a + b, whole));
     case TermKind::Completion:
       return (separates ? term.p : 0.0) - term.q + (completes ? term.r : 0.0);
-    default:
-      break;
+    default: break;
   }
   assert(false);
   return 0;
@@ -208,8 +203,20 @@ TransitionSystem::Rules::Rules(const Problem& problem)
     if (part.mass != problem.parts().front().mass) uniform_mass = false;
   }
   add_terms(problem, problem.objective(), 1);
-  for (const Term& term : terms) {
-    if (!is_counting(term.kind)) needs_movement = true;
+  const bool no_positions = std::ranges::none_of(
+      problem.parts(), [](const Part& part) { return part.position.has_value(); });
+  for (Term& term : terms) {
+    switch (term.kind) {
+      case TermKind::PieceCost:
+      case TermKind::CubesatZone:
+      case TermKind::Indexed:
+      case TermKind::Completion: term.counting = true; break;
+      case TermKind::Time: term.counting = no_positions; break;
+      case TermKind::Fuel: term.counting = uniform_mass; break;
+      default: break;
+    }
+    if (!problem.parts().empty()) term.part_mass = problem.parts().front().mass;
+    if (!term.counting) needs_movement = true;
     double distance = 0;
     for (const Part& part : problem.parts()) {
       if (!part.position) continue;
@@ -219,7 +226,7 @@ TransitionSystem::Rules::Rules(const Problem& problem)
     }
     farthest.push_back(distance);
   }
-  one_counting_term = terms.size() == 1 && terms[0].weight == 1 && is_counting(terms[0].kind);
+  one_counting_term = terms.size() == 1 && terms[0].weight == 1 && terms[0].counting;
   needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value();
 }
 
@@ -568,17 +575,14 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
   switch (term.kind) {
     case TermKind::Time: {
       if (!facts.separates) return 0.0 - duration;
-      const std::optional<double> metres = distance(movement.a_moves, term.depot);
-      return 0.0 - (duration + (metres ? 2 * *metres / term.p : term.q));
+      return time_reward(term, duration, distance(movement.a_moves, term.depot));
     }
     case TermKind::Travel: {
       if (!facts.separates) return 0;
       const double metres = distance(movement.a_moves, term.depot).value_or(0);
       return 0.0 - moved_parts * metres * metres;
     }
-    case TermKind::Fuel:
-      return facts.separates ? 0.0 - (term.p * term.q + (term.p + movement.moved_mass) * term.q)
-                             : 0;
+    case TermKind::Fuel: return facts.separates ? fuel_reward(term, movement.moved_mass) : 0;
     case TermKind::Expression: {
       FormulaVariables variables;
       variables.before = static_cast<double>(facts.before);
@@ -598,10 +602,8 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
       }
       return checked(formulas[index]->value(variables));
     }
-    case TermKind::Callable:
-      return checked(term.callable->reward(full_step(facts)));
-    default:
-      break;
+    case TermKind::Callable: return checked(term.callable->reward(full_step(facts)));
+    default: break;
   }
   assert(false);
   return 0;
@@ -621,8 +623,15 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
       const bool whole = facts.a_parts + facts.b_parts == rules.graph.starting_piece(part);
       return size_reward(term, facts.a_parts, facts.b_parts, facts.completes, whole);
     }
-    default:
-      return size_reward(term, facts.a_parts, facts.b_parts, facts.completes, false);
+    case TermKind::Fuel:
+      return facts.separates
+                 ? fuel_reward(term, std::min(facts.a_parts, facts.b_parts) * term.part_mass)
+                 : 0;
+    case TermKind::Time: {
+      const double duration = problem.connections()[facts.connection].duration;
+      return facts.separates ? time_reward(term, duration, std::nullopt) : 0.0 - duration;
+    }
+    default: return size_reward(term, facts.a_parts, facts.b_parts, facts.completes, false);
   }
 }
 
@@ -633,8 +642,8 @@ inline double Expander::Scratch::reward(const Facts& facts) {
   double sum = 0;
   for (std::size_t i = 0; i < rules.terms.size(); ++i) {
     const Term& term = rules.terms[i];
-    sum += term.weight * (is_counting(term.kind) ? counting_reward(term, facts)
-                                                 : moving_reward(term, i, facts, moved));
+    sum += term.weight *
+           (term.counting ? counting_reward(term, facts) : moving_reward(term, i, facts, moved));
   }
   return sum;
 }
@@ -962,20 +971,14 @@ RewardRange TransitionSystem::reward_range(ConnectionIndex connection, std::size
         range = {0.0 - parts * rules.farthest[i] * rules.farthest[i], 0};
         break;
       }
-      case TermKind::Fuel:
-        range = {0.0 - (2 * term.p + rules.total_mass) * term.q, 0};
-        break;
+      case TermKind::Fuel: range = {0.0 - (2 * term.p + rules.total_mass) * term.q, 0}; break;
       case TermKind::Completion: {
         const double always = (completes ? term.r : 0.0) - term.q;
         range = {always + std::min(0.0, term.p), always + std::max(0.0, term.p)};
         break;
       }
-      case TermKind::Expression:
-        range = {-kInfinity, kInfinity};
-        break;
-      case TermKind::Callable:
-        range = {term.callable->least, term.callable->greatest};
-        break;
+      case TermKind::Expression: range = {-kInfinity, kInfinity}; break;
+      case TermKind::Callable: range = {term.callable->least, term.callable->greatest}; break;
     }
     if (term.weight == 0) continue;
     sum.least += term.weight > 0 ? term.weight * range.least : term.weight * range.greatest;
@@ -1002,18 +1005,12 @@ double TransitionSystem::greatest_size_reward(std::size_t a, std::size_t b, bool
 std::string_view constraint_name(Constraint constraint) {
   switch (constraint) {
     case Constraint::Precedence:
-    case Constraint::PrecedenceAny:
-      return "precedence";
-    case Constraint::MaxSubassemblies:
-      return "max_subassemblies";
-    case Constraint::MaxMovedParts:
-      return "max_moved_parts";
-    case Constraint::MaxMovedMass:
-      return "max_moved_mass";
-    case Constraint::Blocking:
-      return "blocking";
-    case Constraint::NotOpen:
-      break;
+    case Constraint::PrecedenceAny: return "precedence";
+    case Constraint::MaxSubassemblies: return "max_subassemblies";
+    case Constraint::MaxMovedParts: return "max_moved_parts";
+    case Constraint::MaxMovedMass: return "max_moved_mass";
+    case Constraint::Blocking: return "blocking";
+    case Constraint::NotOpen: break;
   }
   return "sequence";
 }

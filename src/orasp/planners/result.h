@@ -20,14 +20,10 @@ enum class Status {
 
 [[nodiscard]] constexpr std::string_view status_name(Status status) {
   switch (status) {
-    case Status::Optimal:
-      return "optimal";
-    case Status::Feasible:
-      return "feasible";
-    case Status::Infeasible:
-      return "infeasible";
-    case Status::Unknown:
-      break;
+    case Status::Optimal: return "optimal";
+    case Status::Feasible: return "feasible";
+    case Status::Infeasible: return "infeasible";
+    case Status::Unknown: break;
   }
   return "unknown";
 }
@@ -37,16 +33,11 @@ enum class Stop { None, TimeLimit, MemoryLimit, ExpansionLimit, Cancelled };
 
 [[nodiscard]] constexpr std::string_view stop_name(Stop stop) {
   switch (stop) {
-    case Stop::TimeLimit:
-      return "time limit";
-    case Stop::MemoryLimit:
-      return "memory limit";
-    case Stop::ExpansionLimit:
-      return "expansion limit";
-    case Stop::Cancelled:
-      return "interrupted";
-    case Stop::None:
-      break;
+    case Stop::TimeLimit: return "time limit";
+    case Stop::MemoryLimit: return "memory limit";
+    case Stop::ExpansionLimit: return "expansion limit";
+    case Stop::Cancelled: return "interrupted";
+    case Stop::None: break;
   }
   return "none";
 }

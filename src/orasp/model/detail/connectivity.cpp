@@ -87,7 +87,8 @@ Connectivity::Connectivity(const AssemblyGraph& graph, bool lists)
     for (const AssemblyGraph::ForestEdge& edge : graph.forest()) {
       lower_end_[edge.connection] = edge.child;
     }
-    slots_.resize(graph.num_slots());
+    batch_.resize(graph.num_slots());
+    singles_.resize(graph.num_slots());
     lanes_with_.resize(words_for(graph.num_connections()) * 64);
     return;
   }
@@ -109,8 +110,10 @@ Connectivity::Connectivity(const AssemblyGraph& graph, bool lists)
 
 void Connectivity::analyse(SetView present, bool isolated) {
   if (!lists_) {
-    analyse_batch(present);
-    select(0);
+    single_ = true;
+    subassemblies_ = measure(singles_, [&](ConnectionIndex c) {
+      return static_cast<std::uint16_t>(0 - static_cast<int>(contains(present, c)));
+    });
     return;
   }
   std::ranges::fill(position_, kUnmet);
@@ -133,12 +136,42 @@ void Connectivity::analyse(SetView present, bool isolated) {
 }
 
 // Sizes of subtrees from the leaves up, then sizes of pieces from the roots down; presence is a mask, not a branch:
-// whether a connection is present is a coin toss to the processor.
+// whether a connection is present is a coin toss to the processor. Returns the number of pieces with two or more parts.
+template <class Number, class MaskOf>
+Number Connectivity::measure(std::vector<Slot<Number>>& slots, MaskOf&& mask_of) {
+  const auto number = [](auto value) { return (Number)value; };  // vectors know no static_cast
+  const Number one = number(Number{} + 1);
+  const auto has_two = [&](Number parts) { return number(number(parts > one) & one); };
+  const std::span<const AssemblyGraph::ForestEdge> forest = graph_.forest();
+  for (Slot<Number>& slot : slots) slot.below = one;
+  for (const ConnectionIndex c : graph_.loops()) slots[c].below = Number{};
+  for (std::size_t i = forest.size(); i-- > 0;) {
+    const AssemblyGraph::ForestEdge& edge = forest[i];
+    Slot<Number>& slot = slots[edge.connection];
+    slot.present = mask_of(edge.connection);
+    Slot<Number>& parent = slots[edge.parent_slot];
+    parent.below = number(parent.below + (slot.below & slot.present));
+  }
+  // A piece is counted at its top part, which no present connection holds from above.
+  Number tops = {};
+  for (std::size_t s = graph_.num_connections(); s < slots.size(); ++s) {
+    slots[s].piece = slots[s].below;
+    tops = number(tops + has_two(slots[s].below));
+  }
+  for (const AssemblyGraph::ForestEdge& edge : forest) {
+    Slot<Number>& slot = slots[edge.connection];
+    slot.piece =
+        number((slots[edge.parent_slot].piece & slot.present) | (slot.below & ~slot.present));
+    tops = number(tops + (has_two(slot.below) & ~slot.present));
+  }
+  return tops;
+}
+
 void Connectivity::analyse_batch(std::span<const std::uint64_t> states) {
   const std::size_t words = words_for(graph_.num_connections());
   const std::size_t lanes = states.size() / words;
   // Bit matrices of 8 states by 8 connections, transposed.
-  for (std::size_t block = 0; block < words * 8; ++block) {
+  for (std::size_t block = 0; block * 8 < graph_.num_connections(); ++block) {
     std::uint64_t rows = 0;
     for (std::size_t l = 0; l < lanes; ++l) {
       rows |= (states[l * words + block / 8] >> (block % 8 * 8) & 0xffU) << (l * 8);
@@ -147,34 +180,12 @@ void Connectivity::analyse_batch(std::span<const std::uint64_t> states) {
     for (std::size_t i = 0; i < 8; ++i) {
       lanes_with_[block * 8 + i] = static_cast<std::uint8_t>(columns >> (i * 8));
     }
-    if (block * 8 + 8 >= graph_.num_connections()) break;
   }
-
-  const std::span<const AssemblyGraph::ForestEdge> forest = graph_.forest();
-  Slot* const slots = slots_.data();
   constexpr Lanes kBit = {1, 2, 4, 8, 16, 32, 64, 128};
-  constexpr Lanes kOne = {1, 1, 1, 1, 1, 1, 1, 1};
-  for (Slot& slot : slots_) slot.below = kOne;
-  for (const ConnectionIndex c : graph_.loops()) slots[c].below = Lanes{};
-  for (std::size_t i = forest.size(); i-- > 0;) {
-    const AssemblyGraph::ForestEdge& edge = forest[i];
-    Slot& slot = slots[edge.connection];
-    const std::uint16_t with = lanes_with_[edge.connection];
-    slot.present = (Lanes)((kBit & with) != 0);
-    slots[edge.parent_slot].below += slot.below & slot.present;
-  }
-  // A piece is counted at its top part, which no present connection holds from above.
-  Lanes tops = {};
-  for (std::size_t s = graph_.num_connections(); s < slots_.size(); ++s) {
-    slots[s].piece = slots[s].below;
-    tops -= (Lanes)(slots[s].below > kOne);
-  }
-  for (const AssemblyGraph::ForestEdge& edge : forest) {
-    Slot& slot = slots[edge.connection];
-    slot.piece = (slots[edge.parent_slot].piece & slot.present) | (slot.below & ~slot.present);
-    tops -= (Lanes)(slot.below > kOne) & ~slot.present;
-  }
-  tops_with_two_.parts = tops;
+  tops_with_two_.parts = measure(batch_, [&](ConnectionIndex c) {
+    const std::uint16_t with = lanes_with_[c];
+    return (Lanes)((kBit & with) != 0);
+  });
 }
 
 // A connection separates exactly when nothing in the subtree below it reaches above it otherwise.

@@ -75,9 +75,10 @@ class AssemblyGraph {
 
 /// Finds for a set of present connections, all at once, which of them separate and how many parts are on either side.
 ///
-/// Idea.       In an assembly without cycles every connection separates: subtree sizes of one fixed rooted forest, for
-///             eight states at once in the lanes of vector registers, without a branch. Otherwise Tarjan's bridges by depth-first search; preorder makes each side of each
-///             bridge at most two runs of parts.
+/// Idea.       In an assembly without cycles every connection separates: subtree sizes of one fixed
+///             rooted forest, without a branch, and for eight states at once in the lanes of
+///             vector registers. Otherwise Tarjan's bridges by depth-first search; preorder makes
+///             each side of each bridge at most two runs of parts.
 /// Reference.  Tarjan (1974), Inf. Proc. Letters 2(6), 160-161.
 /// Cost.       O(parts + connections) an analysis. Holds scratch memory: one for each thread.
 class Connectivity {
@@ -95,20 +96,25 @@ class Connectivity {
   [[nodiscard]] bool takes_batches() const { return !lists_; }
   /// Analyses 1 to kLanes states that stand one after another; select() then says which one is asked about.
   void analyse_batch(std::span<const std::uint64_t> states);
-  void select(std::size_t lane) { lane_ = lane; }
+  void select(std::size_t lane) {
+    lane_ = lane;
+    single_ = false;
+  }
 
   /// Parts on one side of a present connection, the side of `lower_end`; 0 if it does not separate.
   [[nodiscard]] std::uint32_t below(ConnectionIndex c) const {
-    return lists_ ? below_[c] : slots_[c].below[lane_];
+    if (lists_) return below_[c];
+    return single_ ? singles_[c].below : batch_[c].below[lane_];
   }
   /// Parts of the piece that holds a present, separating connection.
   [[nodiscard]] std::uint32_t piece(ConnectionIndex c) const {
-    return lists_ ? piece_[c] : slots_[c].piece[lane_];
+    if (lists_) return piece_[c];
+    return single_ ? singles_[c].piece : batch_[c].piece[lane_];
   }
   [[nodiscard]] PartIndex lower_end(ConnectionIndex c) const { return lower_end_[c]; }
   /// Pieces with two or more parts.
   [[nodiscard]] std::size_t subassemblies() const {
-    return lists_ ? subassemblies_ : tops_with_two_.parts[lane_];
+    return lists_ || single_ ? subassemblies_ : tops_with_two_.parts[lane_];
   }
 
   // With lists only.
@@ -121,11 +127,15 @@ class Connectivity {
  private:
   /// One number of parts for each of kLanes states (kMaxParts fits in 16 bits).
   using Lanes [[gnu::vector_size(16)]] = std::uint16_t;
+  /// Number is Lanes, or std::uint16_t for a single state.
+  template <class Number>
   struct Slot {
-    Lanes below;    ///< parts at and below the slot
-    Lanes piece;    ///< parts of the slot's piece
-    Lanes present;  ///< all ones where its connection is present
+    Number below;    ///< parts at and below the slot
+    Number piece;    ///< parts of the slot's piece
+    Number present;  ///< all ones where its connection is present
   };
+  template <class Number, class MaskOf>
+  Number measure(std::vector<Slot<Number>>& slots, MaskOf&& mask_of);
   struct Count {
     Lanes parts;
   };
@@ -138,10 +148,12 @@ class Connectivity {
   std::size_t subassemblies_ = 0;
   std::vector<PartIndex> lower_end_;  ///< by connection
 
-  // Batches.
+  // Forests: batches, and a single state.
+  bool single_ = false;
+  std::vector<Slot<std::uint16_t>> singles_;
   std::size_t lane_ = 0;
   Count tops_with_two_{};
-  std::vector<Slot> slots_;
+  std::vector<Slot<Lanes>> batch_;
   std::vector<std::uint8_t> lanes_with_;  ///< by connection: bit l says whether state l has it
 
   // Depth-first search.

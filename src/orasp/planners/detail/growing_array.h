@@ -40,6 +40,7 @@ class GrowingArray {
   void resize(std::size_t size) {
     if (size > capacity_) reserve(size + size / 2);
     size_ = size;
+    if (!huge_pages_ && size * sizeof(T) >= kLarge) ask_for_huge_pages();
   }
   void clear() { size_ = 0; }
   /// Gives memory beyond size() back.
@@ -56,10 +57,13 @@ class GrowingArray {
   }
 
  private:
+  static constexpr std::size_t kLarge = std::size_t{1} << 20U;
+
   // Large tables are touched once from end to end: with pages of 2 MiB the kernel is entered 512 times less often. A
-  // hint; where it is not taken nothing changes.
+  // hint, given once an array is large (a huge page is cleared whole); where it is not taken nothing changes.
   void ask_for_huge_pages() {
-    constexpr std::uintptr_t kHugePage = 2U << 20;
+    huge_pages_ = true;
+    constexpr std::uintptr_t kHugePage = 2U << 20U;
     const auto begin =
         (reinterpret_cast<std::uintptr_t>(data_.get()) + kHugePage - 1) & ~(kHugePage - 1);
     const auto end =
@@ -77,12 +81,13 @@ class GrowingArray {
     static_cast<void>(data_.release());
     data_.reset(static_cast<T*>(moved));
     capacity_ = capacity;
-    ask_for_huge_pages();
+    huge_pages_ = false;
   }
 
   std::unique_ptr<T, Free> data_;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;
+  bool huge_pages_ = false;
 };
 
 }  // namespace orasp::detail

@@ -29,8 +29,7 @@ class IndexedHeap {
   void pop() {
     const std::uint32_t last = heap_.back();
     heap_.pop_back();
-    if (heap_.empty())
-      return;
+    if (heap_.empty()) return;
     heap_.front() = last;
     places_[last] = 0;
     sink(0);
@@ -50,8 +49,7 @@ class IndexedHeap {
     const std::uint32_t item = heap_[place];
     while (place > 0) {
       const std::size_t above = (place - 1) / 4;
-      if (!before(item, heap_[above]))
-        break;
+      if (!before(item, heap_[above])) break;
       put(place, heap_[above]);
       place = above;
     }
@@ -61,15 +59,12 @@ class IndexedHeap {
     const std::uint32_t item = heap_[place];
     while (true) {
       const std::size_t first = place * 4 + 1;
-      if (first >= heap_.size())
-        break;
+      if (first >= heap_.size()) break;
       std::size_t least = first;
       for (std::size_t child = first + 1; child < first + 4 && child < heap_.size(); ++child) {
-        if (before(heap_[child], heap_[least]))
-          least = child;
+        if (before(heap_[child], heap_[least])) least = child;
       }
-      if (!before(heap_[least], item))
-        break;
+      if (!before(heap_[least], item)) break;
       put(place, heap_[least]);
       place = least;
     }

@@ -26,13 +26,11 @@ void run_parallel(std::size_t threads, Work&& work) {
   {
     std::vector<std::jthread> others;
     others.reserve(threads - 1);
-    for (std::size_t t = 1; t < threads; ++t)
-      others.emplace_back(guarded, t);
+    for (std::size_t t = 1; t < threads; ++t) others.emplace_back(guarded, t);
     guarded(0);
   }
   for (const std::exception_ptr& error : errors) {
-    if (error)
-      std::rethrow_exception(error);
+    if (error) std::rethrow_exception(error);
   }
 }
 

@@ -8,8 +8,7 @@ namespace orasp::detail {
 
 std::optional<Result> settled(const TransitionSystem& system, std::string_view method) {
   const auto reason = system.infeasibility();
-  if (!reason)
-    return std::nullopt;
+  if (!reason) return std::nullopt;
   Result result;
   result.method = method;
   result.status = Status::Infeasible;

@@ -33,8 +33,7 @@ template <class Plan>
 [[nodiscard]] Result on_graph(const TransitionSystem& system, const Budget& budget,
                               std::string_view method, Plan&& plan) {
   const Stopwatch watch;
-  if (auto result = settled(system, method))
-    return *result;
+  if (auto result = settled(system, method)) return *result;
   require_graph_fits(system, budget, std::string(method));
   const StateGraph graph = StateGraph::build(system, budget);
   Result result = graph.stop() != Stop::None

@@ -49,12 +49,9 @@ class RewardColumn {
   [[nodiscard]] bool numbered() const { return width_ != 8; }
   [[nodiscard]] double operator[](std::size_t i) const {
     switch (width_) {
-      case 1:
-        return table_[narrow_[i]];
-      case 2:
-        return table_[wide_[i]];
-      default:
-        return plain_[i];
+      case 1: return table_[narrow_[i]];
+      case 2: return table_[wide_[i]];
+      default: return plain_[i];
     }
   }
   [[nodiscard]] std::uint64_t bytes() const {
@@ -84,29 +81,17 @@ class RewardColumn {
   void extend(std::size_t count) {
     size_ += count;
     switch (width_) {
-      case 1:
-        narrow_.resize(size_);
-        break;
-      case 2:
-        wide_.resize(size_);
-        break;
-      default:
-        plain_.resize(size_);
-        break;
+      case 1: narrow_.resize(size_); break;
+      case 2: wide_.resize(size_); break;
+      default: plain_.resize(size_); break;
     }
   }
   /// Address space for `count` in all, at the present width.
   void reserve(std::size_t count) {
     switch (width_) {
-      case 1:
-        narrow_.reserve(count);
-        break;
-      case 2:
-        wide_.reserve(count);
-        break;
-      default:
-        plain_.reserve(count);
-        break;
+      case 1: narrow_.reserve(count); break;
+      case 2: wide_.reserve(count); break;
+      default: plain_.reserve(count); break;
     }
   }
   void set_number(std::size_t i, std::uint32_t number) {
@@ -134,8 +119,7 @@ class RewardColumn {
       case 2:
         return visit(
             [table = table_.data(), at = wide_.data()](std::size_t i) { return table[at[i]]; });
-      default:
-        return visit([at = plain_.data()](std::size_t i) { return at[i]; });
+      default: return visit([at = plain_.data()](std::size_t i) { return at[i]; });
     }
   }
 

@@ -49,37 +49,31 @@ class StateTable {
   };
   /// The number of `key`, which is added if it is not there. `hash` is hash(key).
   Inserted insert(const std::uint64_t* key, std::uint64_t hash) {
-    if (size_ * 3 >= slots_.size() * 2)
-      grow();
+    if (size_ * 3 >= slots_.size() * 2) grow();
     const std::uint64_t tag = hash >> 32;
     std::size_t i = hash & mask_;
     while (slots_[i] != 0) {
       if (slots_[i] >> 32 == tag) {
         const auto number = static_cast<std::uint32_t>(slots_[i]) - 1;
-        if (equal(number, key))
-          return {number, false};
+        if (equal(number, key)) return {number, false};
       }
       i = (i + 1) & mask_;
     }
     const auto number = static_cast<std::uint32_t>(size_++);
     slots_[i] = tag << 32 | (number + 1U);
-    for (std::size_t w = 0; w < words(); ++w)
-      keys_.push_back(key[w]);
+    for (std::size_t w = 0; w < words(); ++w) keys_.push_back(key[w]);
     return {number, true};
   }
   Inserted insert(const std::uint64_t* key) { return insert(key, hash(key)); }
 
   /// The number of `key`, or kAbsent.
   [[nodiscard]] std::uint32_t find(const std::uint64_t* key) const {
-    if (size_ == 0)
-      return kAbsent;
+    if (size_ == 0) return kAbsent;
     const std::uint64_t h = hash(key);
     for (std::size_t i = h & mask_; slots_[i] != 0; i = (i + 1) & mask_) {
-      if (slots_[i] >> 32 != h >> 32)
-        continue;
+      if (slots_[i] >> 32 != h >> 32) continue;
       const auto number = static_cast<std::uint32_t>(slots_[i]) - 1;
-      if (equal(number, key))
-        return number;
+      if (equal(number, key)) return number;
     }
     return kAbsent;
   }
@@ -102,8 +96,7 @@ class StateTable {
     for (std::uint32_t number = 0; number < size_; ++number) {
       const std::uint64_t h = hash(key(number));
       std::size_t i = h & mask_;
-      while (slots_[i] != 0)
-        i = (i + 1) & mask_;
+      while (slots_[i] != 0) i = (i + 1) & mask_;
       slots_[i] = h >> 32 << 32 | (number + 1U);
     }
   }
