@@ -652,12 +652,14 @@ inline double Expander::Scratch::reward(const Facts& facts) {
 std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
   Action* next = actions.data();
   const std::size_t num_open = count(open);
-  const bool unconstrained = !rules.cuts_checked && problem.precedence().empty();
-  if (unconstrained && rules.one_counting_term && !rules.assembly) {
+  if (rules.one_counting_term && !rules.assembly) {
     // The same as below with the questions left out whose answer is known.
     const Term& term = rules.terms.front();
     for_each_connection(open, [&](ConnectionIndex c) {
-      *next++ = {c, counting_reward(term, removal_facts(c, num_open))};
+      if (contains(rules.constrained, c) && !rules.precedence_met(open, c)) return;
+      const Facts facts = removal_facts(c, num_open);
+      if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
+      *next++ = {c, counting_reward(term, facts)};
     });
     return {actions.data(), next};
   }
