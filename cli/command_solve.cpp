@@ -172,7 +172,14 @@ int run(const SolveOptions& options, const Context& context) {
   const std::string plan = options.json || !options.output.empty()
                                ? plan_text(problem, result, settings_of(options))
                                : std::string();
-  if (!options.output.empty()) write_file(options.output, plan);
+  if (!options.output.empty()) {
+    // What stands in the file may be the plan of yesterday: a run without a plan leaves it alone.
+    if (result.has_plan()) {
+      write_file(options.output, plan);
+    } else {
+      context.warn("there is no plan, so " + options.output + " is not written");
+    }
+  }
   context.print(options.json ? plan : summary(problem, result, options, context));
   return exit_code(result);
 }

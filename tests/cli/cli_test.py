@@ -311,6 +311,16 @@ class Solve(Case):
         plan = json.loads(answer.out)
         self.assertEqual((plan["status"], plan["reward"], plan["steps"]), ("infeasible", None, []))
 
+    def test_without_a_plan_the_file_named_by_o_is_left_alone(self):
+        for content in [None, "the plan of yesterday"]:
+            with self.subTest(content=content):
+                output = self.folder / f"{content}.json"
+                if content is not None:
+                    output.write_text(content)
+                answer = orasp("solve", "-", "-o", str(output), stdin=CYCLE)
+                self.check(answer, 10, out=r"infeasible", error=r"there is no plan, so .* is not written")
+                self.assertEqual(output.read_text() if output.exists() else None, content)
+
     def test_the_json_has_the_keys_of_the_contract(self):
         plan = json.loads(orasp("solve", "hubble", "--json").out)
         self.assertLessEqual({"format", "problem", "problem_digest", "method", "status", "reward", "bound", "gap",
