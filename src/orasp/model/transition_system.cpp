@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "orasp/model/detail/connectivity.h"
+#include "orasp/model/detail/wording.h"
 
 namespace orasp {
 
@@ -26,19 +27,6 @@ bool at_most(double value, double limit) {
 
 bool nearly_equal(double a, double b) {
   return std::abs(a - b) <= kRelativeTolerance * std::max(std::abs(a), std::abs(b));
-}
-
-std::string quoted(const std::string& id) {
-  return "\"" + id + "\"";
-}
-
-std::string number_text(double value) {
-  std::string text = std::to_string(value);
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text;
 }
 
 /// What a step is before its legality and reward are judged. A holds the connection's first part.
@@ -568,7 +556,7 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
     if (std::isfinite(value)) return value;
     throw InputError(
         "objective: the reward of " + std::string(rules.assembly ? "making " : "removing ") +
-        quoted(problem.connection_id(c)) + " with " + std::to_string(facts.before) +
+        detail::in_quotes(problem.connection_id(c)) + " with " + std::to_string(facts.before) +
         " connections present is " + (std::isnan(value) ? "not a number" : "infinite") +
         "; rewards must be finite");
   };
@@ -740,7 +728,7 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
   Scratch& s = *scratch_;
   const Problem& problem = s.problem;
   const TransitionSystem::Rules& rules = s.rules;
-  const std::string id = quoted(problem.connection_id(connection));
+  const std::string id = detail::in_quotes(problem.connection_id(connection));
   std::vector<Violation> found;
   if (!contains(open, connection)) {
     found.push_back({Constraint::NotOpen,
@@ -755,7 +743,7 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
   const auto names = [&](const std::vector<ConnectionIndex>& list) {
     std::string text;
     for (const ConnectionIndex c : list)
-      text += (text.empty() ? "" : ", ") + quoted(problem.connection_id(c));
+      text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.connection_id(c));
     return text;
   };
   for (const PrecedenceClause& clause : problem.precedence()) {
@@ -803,15 +791,15 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
   if (!at_most(moved_mass, rules.max_moved_mass)) {
     found.push_back({Constraint::MaxMovedMass,
                      "limits.max_moved_mass",
-                     cut + " moves " + number_text(moved_mass) + " kg; at most " +
-                         number_text(rules.max_moved_mass) + " kg are allowed",
+                     cut + " moves " + detail::number_text(moved_mass) + " kg; at most " +
+                         detail::number_text(rules.max_moved_mass) + " kg are allowed",
                      {}});
   }
   if (rules.blocking && s.free_directions() == 0) {
     const auto part_list = [&](const Side& side) {
       std::string text;
       side.for_each([&](PartIndex part) {
-        text += (text.empty() ? "" : ", ") + quoted(problem.part_id(part));
+        text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.part_id(part));
       });
       return text;
     };
@@ -921,8 +909,9 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
   for (std::size_t i = met[c]; i < path.size(); ++i) {
     const ConnectionIndex next = i + 1 < path.size() ? path[i + 1].first : c;
     violation.blocking_connections.push_back(path[i].first);
-    chain += (chain.empty() ? "" : ", ") + quoted(problem_.connection_id(path[i].first)) +
-             " after " + quoted(problem_.connection_id(next)) + " (precedence[" +
+    chain += (chain.empty() ? "" : ", ") +
+             detail::in_quotes(problem_.connection_id(path[i].first)) + " after " +
+             detail::in_quotes(problem_.connection_id(next)) + " (precedence[" +
              std::to_string(path[i].second) + "])";
   }
   violation.where = "precedence[" + std::to_string(path[met[c]].second) + "]";

@@ -148,6 +148,7 @@ class StateGraphBuilder {
     std::atomic<bool> give_up = false;
     std::atomic<Stop> reason = Stop::None;
     std::atomic<std::uint64_t> bytes = memory(runs);
+    std::atomic<std::uint64_t> actions_found = 0;
     detail::run_parallel(threads, [&](std::size_t t) {
       Run& run = runs[t];
       run.connections.clear();
@@ -155,6 +156,7 @@ class StateGraphBuilder {
       run.reward_values.clear();
       const auto [first, last] = detail::share_of(size, threads, t);
       std::uint64_t counted = 0;
+      std::uint64_t counted_actions = 0;
       for (std::size_t chunk = first; chunk < last && !give_up; chunk += kPollEvery) {
         const std::size_t states = std::min(kPollEvery, last - chunk);
         std::size_t next = run.connections.size();
@@ -181,8 +183,11 @@ class StateGraphBuilder {
             run.connections.bytes() + run.reward_numbers.bytes() + run.reward_values.bytes();
         bytes += now - counted;
         counted = now;
-        // The rows, keys and numbers still to come take as much again and more.
-        if (const Stop stop = expired(2 * bytes); stop != Stop::None) {
+        // Still to come for each action: its row, its successor's key and the key's number.
+        actions_found += next - counted_actions;
+        counted_actions = next;
+        const std::uint64_t coming = actions_found * (8 * words_ + 16);
+        if (const Stop stop = expired(bytes + coming); stop != Stop::None) {
           reason = stop;
           give_up = true;
         }
