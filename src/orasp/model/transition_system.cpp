@@ -821,23 +821,10 @@ TransitionSystem::TransitionSystem(const Problem& problem)
 TransitionSystem::~TransitionSystem() = default;
 
 std::size_t TransitionSystem::subassemblies(SetView present) const {
-  const Rules& rules = *rules_;
-  std::vector<unsigned char> seen(problem_.num_parts(), 0);
-  std::vector<PartIndex> piece;
   std::size_t pieces = 0;
-  for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
-    if (seen[part] != 0) continue;
-    piece.assign(1, part);
-    seen[part] = 1;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (const auto& half : rules.graph.around(piece[i])) {
-        if (seen[half.other] != 0 || !contains(present, half.connection)) continue;
-        seen[half.other] = 1;
-        piece.push_back(half.other);
-      }
-    }
+  rules_->graph.for_each_piece(present, [&](std::span<const PartIndex> piece) {
     if (piece.size() >= 2) ++pieces;
-  }
+  });
   return pieces;
 }
 

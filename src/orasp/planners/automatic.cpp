@@ -86,6 +86,7 @@ Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budge
   search.bound = std::min(search.bound.value_or(most), most);
   if (search.has_plan() && search.reward >= *search.bound - kRewardTolerance) {
     search.status = Status::Optimal;
+    search.stop = Stop::None;  // the bound proves it, however the search ended
     search.bound = search.reward;
   }
   return answer(

@@ -36,7 +36,7 @@ struct SizeBound::Scratch {
   detail::Connectivity connectivity;
 };
 
-SizeBound::SizeBound(const TransitionSystem& system) : system_(system) {
+SizeBound::SizeBound(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   const std::size_t parts = problem.num_parts();
   known_ = system.sees_sizes_only() && problem.direction() == Direction::Disassembly &&
@@ -72,26 +72,12 @@ double SizeBound::operator()(SetView open) {
   if (!known_) return std::numeric_limits<double>::infinity();
   const std::size_t connections = count(open);
   if (connections == 0) return 0;
-  // Pieces by flood fill over the parts.
-  const detail::AssemblyGraph& graph = scratch_->graph;
-  std::vector<unsigned char> seen(graph.num_parts(), 0);
-  std::vector<PartIndex> piece;
   std::size_t cuts = 0;
   double sum = 0;
-  for (PartIndex root = 0; root < graph.num_parts(); ++root) {
-    if (seen[root] != 0) continue;
-    piece.assign(1, root);
-    seen[root] = 1;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (const auto& half : graph.around(piece[i])) {
-        if (seen[half.other] != 0 || !contains(open, half.connection)) continue;
-        seen[half.other] = 1;
-        piece.push_back(half.other);
-      }
-    }
+  scratch_->graph.for_each_piece(open, [&](std::span<const PartIndex> piece) {
     sum += best_[piece.size()];
     cuts += piece.size() - 1;
-  }
+  });
   return sum + static_cast<double>(connections - cuts) * neutral_ + last_surplus_;
 }
 

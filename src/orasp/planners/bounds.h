@@ -71,7 +71,6 @@ class SizeBound {
 
  private:
   struct Scratch;
-  const TransitionSystem& system_;
   bool known_ = false;
   double neutral_ = 0;        ///< of a step that separates nothing
   double last_surplus_ = 0;   ///< most that completing adds to the last step

@@ -56,6 +56,26 @@ class AssemblyGraph {
   [[nodiscard]] bool is_forest() const { return is_forest_; }
   /// Edges of the spanning forest (all edges, if it is one), each after those above it.
   [[nodiscard]] std::span<const ForestEdge> forest() const { return forest_; }
+  /// Calls visit(std::span<const PartIndex>) with the parts of each piece that the connections of
+  /// `present` hold together, single parts included, by flood fill. O(parts + connections).
+  template <class Visit>
+  void for_each_piece(SetView present, Visit&& visit) const {
+    std::vector<unsigned char> seen(num_parts(), 0);
+    std::vector<PartIndex> piece;
+    for (PartIndex root = 0; root < num_parts(); ++root) {
+      if (seen[root] != 0) continue;
+      piece.assign(1, root);
+      seen[root] = 1;
+      for (std::size_t i = 0; i < piece.size(); ++i) {
+        for (const HalfEdge& half : around(piece[i])) {
+          if (seen[half.other] != 0 || !contains(present, half.connection)) continue;
+          seen[half.other] = 1;
+          piece.push_back(half.other);
+        }
+      }
+      visit(std::span<const PartIndex>(piece));
+    }
+  }
   /// Connections of a part to itself.
   [[nodiscard]] std::span<const ConnectionIndex> loops() const { return loops_; }
   /// num_connections() and one for each root.
