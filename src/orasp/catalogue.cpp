@@ -38,6 +38,11 @@ constexpr std::array kPlanners = {
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return orasp_search(system, {.seed = options.seed}, budget);
             }},
+    Planner{"and-or", "piece by piece: AND/OR search over connected sets of parts", false, false, 0,
+            always,
+            [](const TransitionSystem& system, const Options&, const Budget& budget) {
+              return and_or(system, budget);
+            }},
     Planner{"exhaustive", "every sequence, for checking (at most 12 connections)", true, false,
             kExhaustiveMaxConnections, always,
             [](const TransitionSystem& system, const Options&, const Budget& budget) {

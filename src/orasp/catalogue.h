@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "orasp/model/problem.h"
+#include "orasp/planners/and_or.h"
 #include "orasp/planners/bellman_ford.h"
 #include "orasp/planners/budget.h"
 #include "orasp/planners/dijkstra.h"

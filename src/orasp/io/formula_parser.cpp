@@ -1,6 +1,8 @@
 #include "orasp/io/formula_parser.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -124,6 +126,7 @@ class MuParserFormula final : public Formula {
       throw InputError(
           "the formula has several results; a comma separates the arguments of a function");
     }
+    for (const auto& used : parser_.GetUsedVar()) used_.insert(used.first);
   }
 
   [[nodiscard]] double value(const FormulaVariables& variables) override {
@@ -134,8 +137,10 @@ class MuParserFormula final : public Formula {
       throw InputError(error.GetMsg());
     }
   }
+  [[nodiscard]] bool uses(std::string_view name) const override { return used_.contains(name); }
 
  private:
+  std::set<std::string, std::less<>> used_;
   FormulaVariables variables_;  // the parser holds pointers into it
   mu::Parser parser_;
 };

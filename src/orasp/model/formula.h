@@ -57,6 +57,11 @@ class Formula {
   Formula& operator=(const Formula&) = delete;
   virtual ~Formula() = default;
   [[nodiscard]] virtual double value(const FormulaVariables& variables) = 0;
+  /// Whether the value may depend on the variable called `name`; true where that is not known.
+  [[nodiscard]] virtual bool uses(std::string_view name) const {
+    static_cast<void>(name);
+    return true;
+  }
 };
 
 /// Compiles a formula text with named constants; throws InputError that names the bad token and its

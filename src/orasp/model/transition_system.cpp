@@ -8,18 +8,20 @@
 #include <utility>
 
 #include "orasp/model/detail/connectivity.h"
+#include "orasp/model/detail/rules.h"
 #include "orasp/model/detail/wording.h"
 
 namespace orasp {
 
+using detail::kInfinity;
+using detail::kUnlimited;
 using detail::Side;
+using detail::Term;
+using detail::TermKind;
 
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kStandardGravity = 9.80665;  // m/s^2
 
 bool at_most(double value, double limit) {
   return value <= limit + kRelativeTolerance * std::abs(limit);
@@ -49,269 +51,12 @@ struct Movement {
   double kept_mass = 0;
 };
 
-enum class TermKind {
-  PieceCost,
-  CubesatZone,
-  Indexed,
-  Time,
-  Travel,
-  Fuel,
-  Completion,
-  Expression,
-  Callable
-};
-
-/// One addend of the objective with its parameters resolved.
-struct Term {
-  TermKind kind = TermKind::PieceCost;
-  double weight = 1;
-  std::vector<double> piece_cost;  ///< by number of parts
-  double p = 0;  ///< PieceCost: operation; Time: speed; Fuel: dry mass; Completion: join
-  double q = 0;  ///< PieceCost: completion; Time: transfer; Fuel: e^k - 1; Completion: step
-  double r = 0;  ///< Completion: bonus
-  Vector3 depot{};
-  const Expression* expression = nullptr;
-  const Callable* callable = nullptr;
-  /// The reward depends on sizes and counts only, not on which parts are on which side: always so for some kinds, and for
-  /// Fuel where all masses are equal (to `part_mass`), for Time where no part has a position.
-  bool counting = false;
-  double part_mass = 0;  ///< kg
-};
-
-double zone_cost(std::size_t parts, std::size_t piece_parts, bool whole_start) {
-  switch (parts) {
-    case 1: return piece_parts >= 4 || whole_start ? 0.0967 : 0.0823;
-    case 2: return 0.0722;
-    case 3: return 0.0782;
-    default: return 0;
-  }
-}
-
-double fuel_reward(const Term& term, double moved_mass) {
-  return 0.0 - (term.p * term.q + (term.p + moved_mass) * term.q);
-}
-
-double time_reward(const Term& term, double duration, std::optional<double> metres) {
-  return 0.0 - (duration + (metres ? 2 * *metres / term.p : term.q));
-}
-
-/// The objectives that see nothing but sizes: a step that cuts a piece into a and b parts (0 and 0: it separates
-/// nothing). `whole`: the piece is a whole starting piece.
-[[gnu::always_inline]] inline double size_reward(const Term& term, std::size_t a, std::size_t b,
-                                                 bool completes, bool whole) {
-  const bool separates = a != 0;
-  switch (term.kind) {
-    case TermKind::PieceCost:
-      if (completes) return term.q;
-      if (!separates) return 0.0 - term.p;
-      return 0.0 - (term.p + term.piece_cost[a] + term.piece_cost[b]);
-    case TermKind::CubesatZone:
-      if (completes) return 1;
-      if (!separates) return 0;
-      return 0.0 - (zone_cost(a, a + b, whole) + zone_cost(b, a + b, whole));
-    case TermKind::Completion:
-      return (separates ? term.p : 0.0) - term.q + (completes ? term.r : 0.0);
-    default: break;
-  }
-  assert(false);
-  return 0;
-}
-
-constexpr bool sees_sizes_only(TermKind kind) {
-  return kind == TermKind::PieceCost || kind == TermKind::CubesatZone ||
-         kind == TermKind::Completion;
-}
-
-void insert(std::span<std::uint64_t> set, ConnectionIndex c) {
-  set[c / 64] |= std::uint64_t{1} << (c % 64);
-}
-
 }  // namespace
 
-/// The problem, arranged for work.
-struct TransitionSystem::Rules {
-  bool assembly = false;
-  std::size_t words = 1;
-  detail::AssemblyGraph graph;
-
-  std::vector<std::uint64_t> constrained;  ///< connections with a clause of precedence
-  std::vector<std::uint64_t> after;        ///< by connection: union of its `after` lists
-  std::vector<std::vector<std::vector<std::uint64_t>>>
-      any;  ///< by connection: its `after_any` lists
-  std::size_t max_subassemblies = kUnlimited;
-  std::size_t max_moved_parts = kUnlimited;
-  double max_moved_mass = kInfinity;
-  bool blocking = false;
-
-  bool uniform_mass = true;
-  double total_mass = 0;
-  std::vector<Term> terms;
-  std::vector<double> farthest;    ///< by term: greatest distance of a part to the term's depot
-  bool one_counting_term = false;  ///< the objective is a single counting term of weight 1
-  bool needs_movement = false;     ///< the objective looks at which side moves, or at masses
-  bool needs_sides = false;        ///< the parts of A and B must be listed
-  bool cuts_checked = false;       ///< some constraint judges separations
-
-  explicit Rules(const Problem& problem);
-  void add_terms(const Problem& problem, const Objective& objective, double weight);
-  [[nodiscard]] bool precedence_met(SetView open, ConnectionIndex c) const;
+/// The rules, behind the header.
+struct TransitionSystem::Rules : detail::Rules {
+  using detail::Rules::Rules;
 };
-
-TransitionSystem::Rules::Rules(const Problem& problem)
-    : assembly(problem.direction() == Direction::Assembly),
-      words(words_for(problem.num_connections())),
-      graph(problem) {
-  const std::size_t connections = problem.num_connections();
-  // Constraints.
-  constrained.assign(words, 0);
-  if (!problem.precedence().empty()) {
-    after.assign(connections * words, 0);
-    any.resize(connections);
-  }
-  for (const PrecedenceClause& clause : problem.precedence()) {
-    insert(constrained, clause.connection);
-    const auto mine = std::span(after).subspan(clause.connection * words, words);
-    for (const ConnectionIndex c : clause.after) insert(mine, c);
-    if (clause.after_any.empty()) continue;
-    auto& list = any[clause.connection].emplace_back(words, 0);
-    for (const ConnectionIndex c : clause.after_any) insert(list, c);
-  }
-  const Limits& limits = problem.limits();
-  max_subassemblies = limits.max_subassemblies.value_or(kUnlimited);
-  max_moved_parts = limits.max_moved_parts.value_or(kUnlimited);
-  max_moved_mass = limits.max_moved_mass.value_or(kInfinity);
-  blocking =
-      std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
-  cuts_checked =
-      blocking || limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass;
-
-  // Objective.
-  for (const Part& part : problem.parts()) {
-    total_mass += part.mass;
-    if (part.mass != problem.parts().front().mass) uniform_mass = false;
-  }
-  add_terms(problem, problem.objective(), 1);
-  const bool no_positions = std::ranges::none_of(
-      problem.parts(), [](const Part& part) { return part.position.has_value(); });
-  for (Term& term : terms) {
-    switch (term.kind) {
-      case TermKind::PieceCost:
-      case TermKind::CubesatZone:
-      case TermKind::Indexed:
-      case TermKind::Completion: term.counting = true; break;
-      case TermKind::Time: term.counting = no_positions; break;
-      case TermKind::Fuel: term.counting = uniform_mass; break;
-      default: break;
-    }
-    if (!problem.parts().empty()) term.part_mass = problem.parts().front().mass;
-    if (!term.counting) needs_movement = true;
-    double distance = 0;
-    for (const Part& part : problem.parts()) {
-      if (!part.position) continue;
-      const Vector3& x = *part.position;
-      distance = std::max(
-          distance, std::hypot(x[0] - term.depot[0], x[1] - term.depot[1], x[2] - term.depot[2]));
-    }
-    farthest.push_back(distance);
-  }
-  one_counting_term = terms.size() == 1 && terms[0].weight == 1 && terms[0].counting;
-  needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value();
-}
-
-void TransitionSystem::Rules::add_terms(const Problem& problem, const Objective& objective,
-                                        double weight) {
-  Term term;
-  term.weight = weight;
-  struct Visitor {
-    const Problem& problem;
-    Rules& rules;
-    Term& term;
-
-    void add() { rules.terms.push_back(std::move(term)); }
-    void operator()(const PieceCost& cost) {
-      term.kind = TermKind::PieceCost;
-      term.piece_cost.assign(problem.num_parts() + 1, 0.0);
-      for (const auto& [size, value] : cost.pieces) {
-        if (size < term.piece_cost.size()) term.piece_cost[size] = value;
-      }
-      term.p = cost.operation;
-      term.q = cost.completion;
-      add();
-    }
-    void operator()(const CubesatZone&) {
-      term.kind = TermKind::CubesatZone;
-      add();
-    }
-    void operator()(const Indexed&) {
-      term.kind = TermKind::Indexed;
-      add();
-    }
-    void operator()(const TimeObjective& time) {
-      term.kind = TermKind::Time;
-      term.p = time.speed;
-      term.q = time.transfer;
-      term.depot = time.depot;
-      add();
-    }
-    void operator()(const Travel& travel) {
-      term.kind = TermKind::Travel;
-      term.depot = travel.depot;
-      add();
-    }
-    void operator()(const Fuel& fuel) {
-      term.kind = TermKind::Fuel;
-      term.p = fuel.dry_mass;
-      term.q = std::expm1(fuel.delta_v / (fuel.isp * kStandardGravity));
-      add();
-    }
-    void operator()(const CompletionObjective& completion) {
-      term.kind = TermKind::Completion;
-      term.p = completion.join;
-      term.q = completion.step;
-      term.r = completion.bonus;
-      add();
-    }
-    void operator()(const Expression& expression) {
-      term.kind = TermKind::Expression;
-      term.depot = expression.depot;
-      term.expression = &expression;
-      add();
-    }
-    void operator()(const Callable& callable) {
-      term.kind = TermKind::Callable;
-      term.callable = &callable;
-      add();
-    }
-    void operator()(const WeightedSum& sum) {
-      const double outer = term.weight;
-      for (const WeightedObjective& addend : sum.terms) {
-        rules.add_terms(problem, addend.objective, outer * addend.weight);
-      }
-    }
-  };
-  std::visit(Visitor{problem, *this, term}, objective.parameters);
-}
-
-// Precedence is written for disassembly: removing c needs every `after` gone. In assembly the step that makes c is the
-// reverse of removing it from the state that follows, so there every `after` must still be missing. While c itself is
-// handled it is there, in both directions.
-bool TransitionSystem::Rules::precedence_met(SetView open, ConnectionIndex c) const {
-  if (!contains(constrained, c)) return true;
-  const std::uint64_t flip = assembly ? ~std::uint64_t{0} : 0;
-  const std::uint64_t* const mine = after.data() + c * words;
-  const std::uint64_t self = std::uint64_t{1} << (c % 64);
-  for (std::size_t w = 0; w < words; ++w) {
-    const std::uint64_t present = (open[w] ^ flip) | (w == c / 64 ? self : 0);
-    if ((mine[w] & present) != 0) return false;
-  }
-  return std::ranges::all_of(any[c], [&](const std::vector<std::uint64_t>& list) {
-    for (std::size_t w = 0; w < words; ++w) {
-      const std::uint64_t present = (open[w] ^ flip) | (w == c / 64 ? self : 0);
-      if ((list[w] & ~present) != 0) return true;
-    }
-    return false;
-  });
-}
 
 // ---------------------------------------------------------------------------------------------------------------------
 
@@ -815,6 +560,135 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
+// Pieces on their own.
+
+double Expander::own_reward(ConnectionIndex connection) {
+  Facts facts = scratch_->counts(connection, 2);
+  facts.completes = false;
+  return scratch_->reward(facts);
+}
+
+std::optional<double> Expander::cut_gain(std::span<const PartIndex> a, std::span<const PartIndex> b,
+                                         ConnectionIndex connection) {
+  Scratch& s = *scratch_;
+  Facts facts = s.counts(connection, 2);
+  facts.completes = false;
+  const double own = s.reward(facts);
+  facts.separates = true;
+  facts.a_parts = static_cast<std::uint32_t>(a.size());
+  facts.b_parts = static_cast<std::uint32_t>(b.size());
+  s.a = {{a, {}}};
+  s.b = {{b, {}}};
+  // How many subassemblies there are is not the piece's own matter: facts.subassemblies_apart is 0 here.
+  if (s.rules.cuts_checked && !s.separation_legal(facts)) return std::nullopt;
+  return s.reward(facts) - own;
+}
+
+double Expander::greatest_gain(std::size_t moved, std::size_t kept) {
+  Scratch& s = *scratch_;
+  double sum = 0;
+  for (std::size_t i = 0; i < s.rules.terms.size(); ++i) {
+    const Term& term = s.rules.terms[i];
+    if (term.weight == 0) continue;
+    double gain = kInfinity;
+    switch (term.kind) {
+      case TermKind::PieceCost:
+      case TermKind::Completion:
+        gain = term.weight * (size_reward(term, moved, kept, false, false) -
+                              size_reward(term, 0, 0, false, false));
+        break;
+      case TermKind::CubesatZone:
+        gain = std::max(term.weight * size_reward(term, moved, kept, false, false),
+                        term.weight * size_reward(term, moved, kept, false, true));
+        break;
+      case TermKind::Fuel: {
+        const auto& lightest = s.rules.lightest;
+        const auto& heaviest = s.rules.heaviest;
+        gain = term.weight *
+               fuel_reward(term, term.weight > 0 ? lightest[moved] : heaviest[moved]);
+        break;
+      }
+      case TermKind::Time:
+        if (term.counting) {
+          gain = term.weight * (0.0 - term.q);
+        } else if (term.weight > 0) {
+          gain = 0;
+        } else {
+          gain = 0.0 - term.weight * std::max(term.q, 2 * s.rules.farthest[i] / term.p);
+        }
+        break;
+      case TermKind::Travel: {
+        const double most = static_cast<double>(moved) * s.rules.farthest[i] * s.rules.farthest[i];
+        gain = term.weight > 0 ? 0.0 : 0.0 - term.weight * most;
+        break;
+      }
+      case TermKind::Expression: {
+        if (!term.gain_by_sizes) break;
+        FormulaVariables variables;
+        const double own = s.formulas[i]->value(variables);
+        variables.separates = 1;
+        variables.moved_parts = static_cast<double>(moved);
+        variables.kept_parts = static_cast<double>(kept);
+        gain = term.weight * (s.formulas[i]->value(variables) - own);
+        if (!std::isfinite(gain)) gain = kInfinity;
+        break;
+      }
+      case TermKind::Indexed:
+      case TermKind::Callable: break;
+    }
+    sum += gain;
+  }
+  return sum;
+}
+
+double Expander::greatest_gain_of_moving(std::span<const PartIndex> moved) {
+  Scratch& s = *scratch_;
+  s.a = {{moved, {}}};
+  double sum = 0;
+  for (const Term& term : s.rules.terms) {
+    if (term.weight == 0) continue;
+    double gain = kInfinity;
+    switch (term.kind) {
+      case TermKind::Fuel: gain = term.weight * fuel_reward(term, s.mass(s.a)); break;
+      case TermKind::Time:
+        gain = term.weight * time_reward(term, 0, s.distance(true, term.depot));
+        break;
+      case TermKind::Travel: {
+        const double metres = s.distance(true, term.depot).value_or(0);
+        gain = 0.0 - term.weight * static_cast<double>(moved.size()) * metres * metres;
+        break;
+      }
+      default: break;
+    }
+    sum += gain;
+  }
+  return sum;
+}
+
+bool Expander::moving_more_costs_more() const {
+  return std::ranges::all_of(scratch_->rules.terms, [](const Term& term) {
+    return term.weight >= 0 &&
+           (term.kind == TermKind::Fuel || (term.kind == TermKind::Time && term.counting));
+  });
+}
+
+double Expander::completion_surplus(ConnectionIndex connection) {
+  Scratch& s = *scratch_;
+  const auto& ends = s.problem.ends(connection);
+  Facts facts = s.counts(connection, 1);
+  facts.separates = ends[0] != ends[1];
+  if (facts.separates) {
+    facts.a_parts = facts.b_parts = 1;
+    facts.subassemblies_joined = 1;
+    s.a = {{std::span(ends).first(1), {}}};
+    s.b = {{std::span(ends).last(1), {}}};
+  }
+  const double last = s.reward(facts);
+  facts.completes = false;
+  return last - s.reward(facts);
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
 
 TransitionSystem::TransitionSystem(const Problem& problem)
     : problem_(problem), rules_(std::make_unique<const Rules>(problem)) {}
@@ -965,9 +839,21 @@ RewardRange TransitionSystem::reward_range(ConnectionIndex connection, std::size
   return sum;
 }
 
+bool TransitionSystem::sees_piece_only() const {
+  return std::ranges::all_of(rules_->terms, &Term::piece_only);
+}
+
+bool TransitionSystem::gain_by_sizes() const {
+  return std::ranges::all_of(rules_->terms, &Term::gain_by_sizes);
+}
+
+bool TransitionSystem::gain_by_connection() const {
+  return std::ranges::any_of(rules_->terms, &Term::gain_by_connection);
+}
+
 bool TransitionSystem::sees_sizes_only() const {
   return std::ranges::all_of(rules_->terms,
-                             [](const Term& term) { return orasp::sees_sizes_only(term.kind); });
+                             [](const Term& term) { return detail::sees_sizes_only(term.kind); });
 }
 
 double TransitionSystem::greatest_size_reward(std::size_t a, std::size_t b, bool completes) const {

@@ -109,6 +109,14 @@ class TransitionSystem {
   [[nodiscard]] RewardRange reward_range(ConnectionIndex connection, std::size_t open,
                                          bool completes) const;
 
+  /// Whether a step's reward is its connection's own (Expander::own_reward) and, where it separates, a gain that depends
+  /// on nothing but A, B, the connection and whether it completes: not on what else is there or was done before. Then
+  /// pieces of the product can be planned for one by one.
+  [[nodiscard]] bool sees_piece_only() const;
+  /// Whether that gain depends on the sizes of A and B alone; and whether it depends on the connection.
+  [[nodiscard]] bool gain_by_sizes() const;
+  [[nodiscard]] bool gain_by_connection() const;
+
   /// Whether a step's reward depends on nothing but the sizes of A and B and on whether it completes.
   [[nodiscard]] bool sees_sizes_only() const;
   /// If so: the most that a step earns which cuts a piece into a and b parts (0 and 0: it separates nothing). Exact but
@@ -176,6 +184,27 @@ class Expander {
   /// Why handling `connection` is not legal, all reasons; empty if it is legal. O(parts +
   /// connections).
   [[nodiscard]] std::vector<Violation> violations(SetView open, ConnectionIndex connection);
+
+  // Pieces on their own, in disassembly, for objectives with TransitionSystem::sees_piece_only().
+
+  /// What handling `connection` earns when it separates nothing and does not complete.
+  /// @throws InputError as legal_actions.
+  [[nodiscard]] double own_reward(ConnectionIndex connection);
+  /// What removing `connection` earns beyond own_reward when it cuts a piece into `a`, which holds its first part, and
+  /// `b`, without completing; nothing where max_moved_parts, max_moved_mass or blocking forbid the cut. O(parts of the
+  /// piece), or O(1) where only sizes matter.
+  [[nodiscard]] std::optional<double> cut_gain(std::span<const PartIndex> a,
+                                               std::span<const PartIndex> b,
+                                               ConnectionIndex connection);
+  /// The most that a cut gains whose moved piece has `moved` parts and whose other has `kept`, whatever they are;
+  /// infinite where that is not known. Exact where gain_by_sizes().
+  [[nodiscard]] double greatest_gain(std::size_t moved, std::size_t kept);
+  /// The most that a cut gains that moves just these parts, whatever from; infinite where that is not known.
+  [[nodiscard]] double greatest_gain_of_moving(std::span<const PartIndex> moved);
+  /// Whether that only falls as parts are added.
+  [[nodiscard]] bool moving_more_costs_more() const;
+  /// What removing `connection` earns more for completing, when nothing else is there any more.
+  [[nodiscard]] double completion_surplus(ConnectionIndex connection);
 
  private:
   static constexpr std::size_t kBatch = 8;

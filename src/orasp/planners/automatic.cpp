@@ -51,7 +51,7 @@ Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budge
     return *incumbent;
   };
 
-  SizeBound sizes(system);
+  PieceBound sizes(system, PieceBound::Kind::Both);
   if (sizes.known()) {
     most = sizes(start.view());
     Budget first = budget;
@@ -73,7 +73,7 @@ Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budge
       return answer(std::move(plain), "greedy");
     incumbent = std::move(plain);
   }
-  const ConnectionBound connections(system);
+  ConnectionBound connections(system);
   most = std::min(most, connections(start.view()));
   if (proved()) return answer(as_proved(), "the plan earns as much as its connections can at best");
   if (!connections.known()) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "orasp/model/transition_system.h"
@@ -12,9 +15,29 @@ namespace orasp {
 /// real.
 inline constexpr double kRewardTolerance = 1e-10;
 
-/// Upper bound on the reward still to come, for any objective: each open connection earns at most
-/// its greatest reward (TransitionSystem::reward_range), and the last step at most `last_surplus`
-/// more.
+/// An upper bound on the reward still to come from a state; 0 at the goal. Each is admissible (never below the best that
+/// a plan can still earn) and consistent (along a legal step it falls by at least what the step earns), with the reason
+/// in its comment. Holds scratch memory: one for each thread.
+class Bound {
+ public:
+  Bound() = default;
+  Bound(const Bound&) = delete;
+  Bound& operator=(const Bound&) = delete;
+  virtual ~Bound() = default;
+
+  /// Whether it says anything about this problem; if not it is infinite.
+  [[nodiscard]] virtual bool known() const = 0;
+  [[nodiscard]] virtual double operator()(SetView open) = 0;
+  /// The bounds of the states that `actions` of the state `open` lead to. `here` is the bound of `open`.
+  virtual void of_successors(SetView open, double here, std::span<const Action> actions,
+                             std::span<double> bounds);
+
+ private:
+  std::vector<std::uint64_t> successor_;
+};
+
+/// For any objective: each open connection earns at most its greatest reward (TransitionSystem::reward_range), and the
+/// last step at most `last_surplus` more.
 ///
 /// Admissible: yes, a plan handles each open connection once and each step earns at most its range
 /// allows.
@@ -22,14 +45,14 @@ inline constexpr double kRewardTolerance = 1e-10;
 /// does not complete.
 /// Infinite where no range is known; then it proves nothing.
 /// Cost: O(open connections); a search carries it along at one subtraction a step (greatest).
-class ConnectionBound {
+class ConnectionBound final : public Bound {
  public:
   explicit ConnectionBound(const TransitionSystem& system);
 
-  /// The bound of a state; 0 at the goal.
-  [[nodiscard]] double operator()(SetView open) const;
-  /// Whether it says anything: false where an objective's rewards have no known range.
-  [[nodiscard]] bool known() const { return known_; }
+  [[nodiscard]] bool known() const override { return known_; }
+  [[nodiscard]] double operator()(SetView open) override;
+  void of_successors(SetView open, double here, std::span<const Action> actions,
+                     std::span<double> bounds) override;
   /// Most that handling `connection` can earn when it is not the last step.
   [[nodiscard]] double greatest(ConnectionIndex connection) const { return greatest_[connection]; }
   /// Most that the last step can earn above greatest() of its connection.
@@ -41,41 +64,97 @@ class ConnectionBound {
   std::vector<double> greatest_;
 };
 
-/// Upper bound on the reward still to come for objectives that see only sizes (TransitionSystem::sees_sizes_only), in
-/// disassembly: the recursion over piece sizes alone. A piece of n parts can earn at most
+/// What the bounds for objectives that see the piece only (TransitionSystem::sees_piece_only) have in common, in
+/// disassembly. Such a plan earns
 ///
-///     g(n) = max over a + b = n of r(a, b) + g(a) + g(b),   g(1) = 0,   the smaller of a, b at most max_moved_parts,
+///     sum over open connections of own(c)  +  sum over pieces of what their cuts gain  +  what completing adds once,
 ///
-/// and every connection beyond the n - 1 that separate earns what a step does that separates nothing. The last step of
-/// all is paid as completing. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
-///
-/// Admissible: yes, each piece of n parts is cut exactly n - 1 times, each cut of some size, and cuts of sizes that the
-///             limit forbids are left out. Other constraints only take choices away.
-/// Consistent: yes, g(n) is at least r(a, b) + g(a) + g(b) for every legal cut.
-/// Infinite where the objective sees more, in assembly, and beyond kMostParts.
-/// Cost: O(parts^2) once, O(parts + connections) a state. Holds scratch memory: one for each thread.
-class SizeBound {
+/// and each piece of n parts is cut exactly n - 1 times, whatever becomes of the others. A bound is then a bound on what
+/// the cuts of one piece can gain.
+class PieceGains {
  public:
   static constexpr std::size_t kMostParts = 4096;
 
-  explicit SizeBound(const TransitionSystem& system);
-  ~SizeBound();
-  SizeBound(const SizeBound&) = delete;
-  SizeBound& operator=(const SizeBound&) = delete;
+  explicit PieceGains(const TransitionSystem& system);
 
   [[nodiscard]] bool known() const { return known_; }
-  [[nodiscard]] double operator()(SetView open);
+  [[nodiscard]] double own(ConnectionIndex connection) const { return own_[connection]; }
+  /// Most that completing adds to the last step.
+  [[nodiscard]] double last_surplus() const { return last_surplus_; }
+  /// Whether all finite (else a limit forbids to cut some size at all).
+  [[nodiscard]] bool sizes_known() const { return sizes_known_; }
+  [[nodiscard]] bool parts_known() const { return parts_known_; }
+
+  /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller of a, b at most
+  /// max_moved_parts. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
+  [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
+  /// The most that a cut into so many parts gains; -infinity where max_moved_parts forbids it.
+  [[nodiscard]] double gain(std::size_t moved, std::size_t kept) const;
+  /// By what moves: every part but one of a piece ends as the last of what was moved in some cut (follow the side that
+  /// stays), a different cut for each part. `part_gain(p)` is the most that a cut gains which moves a piece with p, and
+  /// the bound of a piece is the sum over its parts less the least of them.
+  [[nodiscard]] double part_gain(PartIndex part) const { return part_gain_[part]; }
+
+ private:
+  void measure_sizes(Expander& expander, const Problem& problem);
+  void measure_parts(Expander& expander, const Problem& problem);
+
+  bool known_ = false;
+  bool sizes_known_ = false;
+  bool parts_known_ = false;
+  double last_surplus_ = 0;
+  std::size_t most_moved_ = 0;
+  std::vector<double> own_;
+  std::vector<double> by_size_;
+  std::vector<double> gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
+  std::vector<double> part_gain_;
+};
+
+/// The bound from piece sizes, from what is moved, or for each piece the better of the two.
+///
+/// Admissible: yes. Sizes: each piece of n parts is cut n - 1 times, each cut of some size, and cuts of sizes that the
+///             limit forbids are left out. Moved parts: see PieceGains::part_gain. Other constraints only take choices
+///             away.
+/// Consistent: yes, for every legal cut of S into A and B g(S) >= gain + g(A) + g(B), for each of the two, and so for
+///             the smaller of the two.
+/// Infinite where the objective sees more than the piece, in assembly, and beyond PieceGains::kMostParts.
+/// Cost:       O(parts^2) once, O(parts + connections) a state.
+class PieceBound final : public Bound {
+ public:
+  enum class Kind { Sizes, Parts, Both };
+
+  PieceBound(const TransitionSystem& system, Kind kind);
+  ~PieceBound() override;
+
+  [[nodiscard]] bool known() const override { return known_; }
+  [[nodiscard]] double operator()(SetView open) override;
+  void of_successors(SetView open, double here, std::span<const Action> actions,
+                     std::span<double> bounds) override;
   /// Adds to each action's reward the change of the bound that it brings: what the plan loses at least by it, 0 for
   /// the actions that keep the bound within reach.
   void add_change(SetView open, std::span<Action> actions);
 
  private:
   struct Scratch;
+  [[nodiscard]] double of_piece(std::size_t parts, double sum, double least) const;
+
+  PieceGains gains_;
+  bool sizes_ = false;
+  bool parts_ = false;
   bool known_ = false;
-  double neutral_ = 0;        ///< of a step that separates nothing
-  double last_surplus_ = 0;   ///< most that completing adds to the last step
-  std::vector<double> best_;  ///< g, by parts
+  std::vector<double> changes_;
   std::unique_ptr<Scratch> scratch_;
 };
+
+/// The bounds that a search may be told to use, and the strongest cheap one.
+enum class BoundKind { None, Connections, Sizes, Parts, Best };
+inline constexpr std::array<std::string_view, 5> kBoundNames = {"none", "connections", "sizes",
+                                                                "parts", "best"};
+/// @throws InputError that names the known ones.
+[[nodiscard]] BoundKind bound_called(std::string_view name);
+/// Best: for each piece the better of sizes and parts where the objective sees the piece only, else connections. None:
+/// the paper's, the most that the last step can earn; known where no other step earns more than 0, as the paper assumes.
+/// It may turn out to know nothing about the problem.
+[[nodiscard]] std::unique_ptr<Bound> make_bound(const TransitionSystem& system, BoundKind kind);
 
 }  // namespace orasp

@@ -15,7 +15,7 @@ Result greedy(const TransitionSystem& system, const Budget& budget) {
   });
 }
 
-Result guided_greedy(const TransitionSystem& system, SizeBound& bound, const Budget& budget) {
+Result guided_greedy(const TransitionSystem& system, PieceBound& bound, const Budget& budget) {
   std::vector<Action> scored;
   std::vector<std::pair<double, Action>> order;
   return detail::depth_first_plan(
@@ -32,7 +32,7 @@ Result guided_greedy(const TransitionSystem& system, SizeBound& bound, const Bud
       });
 }
 
-Result plan_at_bound(const TransitionSystem& system, SizeBound& bound, const Budget& budget) {
+Result plan_at_bound(const TransitionSystem& system, PieceBound& bound, const Budget& budget) {
   std::vector<Action> scored;
   Result result = detail::depth_first_plan(
       system, budget, "greedy", [&](SetView open, std::span<Action> actions) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "orasp/planners/bounds.h"
@@ -18,8 +19,7 @@ namespace {
 template <std::size_t kWords>
 class Search {
  public:
-  Search(const TransitionSystem& system, const ConnectionBound& bound, const Budget& budget,
-         Result& result)
+  Search(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
       : expander_(system),
         bound_(bound),
         budget_(budget),
@@ -38,7 +38,7 @@ class Search {
         leave();
         continue;
       }
-      const Action action = actions_.back();
+      const Untried action = actions_.back();
       actions_.pop_back();
       follow(action);
     }
@@ -46,8 +46,7 @@ class Search {
     double open = result_.reward;
     while (!frames_.empty()) {
       while (actions_.size() > frames_.back()) {
-        open = std::max(open,
-                        running_ + actions_.back().reward + rest_after(actions_.back().connection));
+        open = std::max(open, running_ + actions_.back().reward + actions_.back().rest);
         actions_.pop_back();
       }
       leave();
@@ -58,10 +57,12 @@ class Search {
   }
 
  private:
-  /// Upper bound on what is left after `connection` is handled in the present state.
-  [[nodiscard]] double rest_after(ConnectionIndex connection) const {
-    return num_open_ == 1 ? 0 : rest_ - bound_.greatest(connection);
-  }
+  /// A legal action not yet followed, and the bound of the state after it.
+  struct Untried {
+    ConnectionIndex connection;
+    double reward;
+    double rest;
+  };
 
   /// Notes that the present state is reached with `running_`; false if it was met before with no
   /// less.
@@ -83,10 +84,13 @@ class Search {
   void enter() {
     const auto legal = expander_.legal_actions(state_.view());
     frames_.push_back(actions_.size());
-    actions_.insert(actions_.end(), legal.begin(), legal.end());
+    rests_.resize(legal.size());
+    bound_.of_successors(state_.view(), rest_, legal, rests_);
+    for (std::size_t i = 0; i < legal.size(); ++i)
+      actions_.push_back({legal[i].connection, legal[i].reward, rests_[i]});
     // Best reward first, then lowest connection; they are taken from the back.
     std::ranges::sort(
-        std::span(actions_).subspan(frames_.back()), [](const Action& a, const Action& b) {
+        std::span(actions_).subspan(frames_.back()), [](const Untried& a, const Untried& b) {
           return a.reward != b.reward ? a.reward < b.reward : a.connection > b.connection;
         });
     ++result_.statistics.expanded;
@@ -100,9 +104,9 @@ class Search {
     }
   }
 
-  void follow(const Action& action) {
+  void follow(const Untried& action) {
     const double running = running_ + action.reward;
-    const double rest = rest_after(action.connection);
+    const double rest = action.rest;
     ++result_.statistics.generated;
     if (running + rest <= result_.reward + kRewardTolerance) {
       ++result_.statistics.pruned;
@@ -140,7 +144,7 @@ class Search {
   }
 
   [[nodiscard]] std::uint64_t bytes() const {
-    return met_.bytes() + best_.bytes() + actions_.capacity() * sizeof(Action);
+    return met_.bytes() + best_.bytes() + actions_.capacity() * sizeof(Untried);
   }
 
   struct Taken {
@@ -150,7 +154,7 @@ class Search {
   };
 
   Expander expander_;
-  const ConnectionBound& bound_;
+  Bound& bound_;
   const Budget& budget_;
   std::uint64_t allowed_;
   Result& result_;
@@ -159,7 +163,8 @@ class Search {
   double running_ = 0;
   double rest_ = 0;
   std::vector<Taken> taken_;
-  std::vector<Action> actions_;      ///< untried, state by state, last to be tried first
+  std::vector<double> rests_;        ///< of one state's legal actions
+  std::vector<Untried> actions_;     ///< untried, state by state, last to be tried first
   std::vector<std::size_t> frames_;  ///< where each state's actions begin
   detail::StateTable<kWords> met_;
   detail::GrowingArray<double> best_;  ///< best running reward of each state met
@@ -171,23 +176,17 @@ Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& op
                     const Budget& budget) {
   const Stopwatch watch;
   if (auto result = detail::settled(system, "orasp-search")) return *result;
-  const ConnectionBound bound(system);
-  if (!bound.known()) {
-    throw InputError(
-        "orasp-search needs a bound on what a step can earn, and none is known for the objective "
-        "'" +
-        system.problem().objective().type +
-        "'; use value-iteration, dijkstra, bellman-ford or exhaustive instead");
-  }
+  const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
+  if (!bound->known()) throw detail::no_bound(system, "orasp-search", options.bound);
   Result result = options.incumbent != nullptr
                       ? *options.incumbent
                       : random_sequence(system, {.seed = options.seed}, budget);
   result.method = "orasp-search";
   if (result.status == Status::Feasible) {
     if (system.words() == 1) {
-      Search<1>(system, bound, budget, result).run();
+      Search<1>(system, *bound, budget, result).run();
     } else {
-      Search<0>(system, bound, budget, result).run();
+      Search<0>(system, *bound, budget, result).run();
     }
     if (result.stop == Stop::None) {
       result.status = Status::Optimal;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "orasp/model/transition_system.h"
+#include "orasp/planners/bounds.h"
 #include "orasp/planners/budget.h"
 #include "orasp/planners/result.h"
 
@@ -11,6 +12,7 @@ namespace orasp {
 struct OraspSearchOptions {
   std::uint64_t seed = 1;             ///< of the random sequence that is the first incumbent
   const Result* incumbent = nullptr;  ///< a plan to start from instead; must outlive the call
+  BoundKind bound = BoundKind::Best;  ///< on what is left; None is the paper's
 };
 
 /// Finds an optimal plan by the paper's ORASP Search: depth-first branch and bound that generates H
@@ -21,15 +23,15 @@ struct OraspSearchOptions {
 ///             upper bound on what is left cannot beat the incumbent, and so is a state met again
 ///             no better than before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
-///             bound is 0). Rewards above zero are handled by planners/bounds.h.
+///             bound is 0). Rewards above zero, and stronger bounds, come from planners/bounds.h.
 /// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more
 ///             than kRewardTolerance and the rounding error of a sum of so many rewards.
 /// Cost.       At worst every state once for each better path to it; one table entry (key, reward)
 ///             a state met.
 /// Limit.      The table must fit in budget.max_bytes; stopped there it keeps the incumbent.
 /// Repeatable. Seeded; ties go to the lowest connection.
-/// @throws InputError where no bound on a step's reward is known (an `expression`, or a callable
-///         without a range): the sentence names the methods that need none.
+/// @throws InputError where the bound knows nothing about the problem (an `expression` that sees more than the
+///         piece, or a callable without a range): the sentence names the methods that need none.
 [[nodiscard]] Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                                   const Budget& budget);
 

@@ -43,6 +43,22 @@ Result exhausted(std::string_view method, const Statistics& statistics) {
   return result;
 }
 
+InputError no_bound(const TransitionSystem& system, std::string_view method, BoundKind bound) {
+  const std::string name(method);
+  const std::string& objective = system.problem().objective().type;
+  if (bound == BoundKind::Best) {
+    return InputError(name +
+                      " needs a bound on what a step can earn, and none is known for the objective "
+                      "'" +
+                      objective +
+                      "'; use value-iteration, dijkstra, bellman-ford or exhaustive instead");
+  }
+  return InputError(name + ": the bound '" +
+                    std::string(kBoundNames[static_cast<std::size_t>(bound)]) +
+                    "' knows nothing about this problem under the objective '" + objective +
+                    "'; use the bound 'best'");
+}
+
 Statistics statistics_of(const StateGraph& graph) {
   Statistics statistics;
   statistics.states = graph.num_states();

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "orasp/model/transition_system.h"
+#include "orasp/planners/bounds.h"
 #include "orasp/planners/budget.h"
 #include "orasp/planners/result.h"
 #include "orasp/planners/state_graph.h"
@@ -23,6 +24,10 @@ namespace orasp::detail {
 
 /// "no plan exists: ..." for a method that looked at everything.
 [[nodiscard]] Result exhausted(std::string_view method, const Statistics& statistics);
+
+/// What a method that needs a bound says where `bound` knows nothing about the problem.
+[[nodiscard]] InputError no_bound(const TransitionSystem& system, std::string_view method,
+                                  BoundKind bound);
 
 /// Counters of a method that holds H.
 [[nodiscard]] Statistics statistics_of(const StateGraph& graph);

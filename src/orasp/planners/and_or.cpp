@@ -1,0 +1,721 @@
+#include "orasp/planners/and_or.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/planners/bounds.h"
+#include "orasp/planners/detail/growing_array.h"
+#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/detail/state_table.h"
+
+namespace orasp {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A set of parts.
+template <std::size_t kWords>
+struct PartSet {
+  std::array<std::uint64_t, kWords> words{};
+
+  void insert(std::size_t part) { words[part / 64] |= std::uint64_t{1} << (part % 64); }
+  void erase(std::size_t part) { words[part / 64] &= ~(std::uint64_t{1} << (part % 64)); }
+  [[nodiscard]] bool contains(std::size_t part) const {
+    return (words[part / 64] >> (part % 64) & 1U) != 0;
+  }
+  [[nodiscard]] std::size_t size() const {
+    std::size_t sum = 0;
+    for (const std::uint64_t word : words) sum += static_cast<std::size_t>(std::popcount(word));
+    return sum;
+  }
+  [[nodiscard]] bool empty() const {
+    return std::ranges::all_of(words, [](std::uint64_t word) { return word == 0; });
+  }
+  [[nodiscard]] std::size_t first() const {
+    std::size_t w = 0;
+    while (words[w] == 0) ++w;
+    return w * 64 + static_cast<std::size_t>(std::countr_zero(words[w]));
+  }
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::size_t w = 0; w < kWords; ++w) {
+      for (std::uint64_t word = words[w]; word != 0; word &= word - 1)
+        visit(w * 64 + static_cast<std::size_t>(std::countr_zero(word)));
+    }
+  }
+  friend PartSet operator&(PartSet a, const PartSet& b) {
+    for (std::size_t w = 0; w < kWords; ++w) a.words[w] &= b.words[w];
+    return a;
+  }
+  friend PartSet operator|(PartSet a, const PartSet& b) {
+    for (std::size_t w = 0; w < kWords; ++w) a.words[w] |= b.words[w];
+    return a;
+  }
+  friend PartSet operator-(PartSet a, const PartSet& b) {
+    for (std::size_t w = 0; w < kWords; ++w) a.words[w] &= ~b.words[w];
+    return a;
+  }
+  friend bool operator==(const PartSet&, const PartSet&) = default;
+};
+
+/// The search; kWords as many words as hold a set of all parts.
+template <std::size_t kWords>
+class Search {
+ public:
+  using Set = PartSet<kWords>;
+
+  Search(const TransitionSystem& system, const Budget& budget, Result& result)
+      : problem_(system.problem()),
+        expander_(system),
+        gains_(system),
+        graph_(problem_),
+        budget_(budget),
+        allowed_bytes_(allowed_bytes(budget)),
+        result_(result),
+        by_sizes_(system.gain_by_sizes() && !problem_.limits().max_moved_mass &&
+                  problem_.directions() == 0),
+        by_connection_(system.gain_by_connection()),
+        limited_(problem_.limits().max_subassemblies.has_value()),
+        memo_(kWords + 1) {
+    const std::size_t parts = problem_.num_parts();
+    neighbours_.resize(parts);
+    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+      const auto [u, v] = problem_.ends(c);
+      if (u == v) continue;
+      neighbours_[u].insert(v);
+      neighbours_[v].insert(u);
+    }
+    parent_.assign(parts, kNone);
+    above_.assign(parts, kNone);
+    below_.resize(parts);
+    if (graph_.is_forest()) {
+      for (std::size_t p = 0; p < parts; ++p) below_[p].insert(p);
+      const auto forest = graph_.forest();
+      for (const auto& edge : forest) {
+        const auto [u, v] = problem_.ends(edge.connection);
+        parent_[edge.child] = u == edge.child ? v : u;
+        above_[edge.child] = edge.connection;
+      }
+      for (std::size_t i = forest.size(); i-- > 0;)
+        below_[parent_[forest[i].child]] = below_[parent_[forest[i].child]] | below_[forest[i].child];
+    }
+    close_precedence();
+  }
+
+  /// @returns whether the search came to an end.
+  bool run() {
+    std::vector<Set> pieces;
+    graph_.for_each_piece(ConnectionSet::all(problem_.num_connections()).view(),
+                          [&](std::span<const PartIndex> piece) {
+                            if (piece.size() < 2) return;
+                            Set set;
+                            for (const PartIndex part : piece) set.insert(part);
+                            pieces.push_back(set);
+                          });
+    // The pieces that wait take from what is allowed to the one at hand. Which order is best is left open where it
+    // matters: then the bound takes for each the most that any order allows.
+    std::size_t allowed = problem_.limits().max_subassemblies.value_or(kMostAllowed);
+    allowed = std::min(allowed, kMostAllowed);
+    double most = 0;
+    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
+    if (problem_.num_connections() > 0) most += gains_.last_surplus();
+    for (const Set& piece : pieces) most += upper(piece, piece.size());
+    for (const Set& piece : pieces) {
+      const double before = most;
+      const double loss = solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
+      most -= loss;
+      result_.bound = most;
+      if (most == -kInfinity || result_.stop != Stop::None) break;
+    }
+    result_.statistics.states = memo_.size();
+    result_.statistics.peak_bytes = bytes();
+    if (result_.stop != Stop::None) return false;
+    if (most == -kInfinity) return true;
+    allowed_ = allowed;
+    pieces_ = std::move(pieces);
+    return true;
+  }
+
+  /// Carries the cut trees out as legal steps; empty where that leads nowhere.
+  std::vector<ConnectionIndex> sequence();
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::size_t kMostAllowed = 63;
+  static constexpr double kSlack = kRewardTolerance;
+
+  /// A cut of a piece into `side` and the rest.
+  struct Cut {
+    Set side;
+    double own_loss;   ///< g(S) - gain - g(A) - g(B)
+    double estimate;   ///< own loss and the lower bounds of both sides
+    bool side_waits;   ///< the rest is finished first
+  };
+
+  [[nodiscard]] double upper(const Set& set, std::size_t parts) const {
+    double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
+    if (gains_.parts_known()) {
+      double sum = 0;
+      double least = 0;
+      set.for_each([&](std::size_t part) {
+        const double gain = gains_.part_gain(static_cast<PartIndex>(part));
+        sum += gain;
+        least = std::min(least, gain);
+      });
+      bound = std::min(bound, sum - least);
+    }
+    return bound;
+  }
+
+  [[nodiscard]] static std::size_t useful(std::size_t allowed, std::size_t parts) {
+    // n parts never need more than floor(log2 n) subassemblies at a time.
+    return std::min(allowed, static_cast<std::size_t>(std::bit_width(parts)) - 1);
+  }
+  [[nodiscard]] std::array<std::uint64_t, kWords + 1> key(const Set& set, std::size_t allowed) const {
+    std::array<std::uint64_t, kWords + 1> result{};
+    std::ranges::copy(set.words, result.begin());
+    result[kWords] = limited_ ? useful(allowed, set.size()) : 0;
+    return result;
+  }
+  /// What is known of the loss of a piece: at least this much.
+  [[nodiscard]] double known_loss(const Set& set, std::size_t parts, std::size_t allowed) const {
+    if (parts == 1) return 0;
+    const std::uint32_t number = memo_.find(key(set, allowed).data());
+    return number == detail::StateTable<kWords + 1>::kAbsent ? 0 : loss_[number];
+  }
+
+  [[nodiscard]] bool is_exact(const Set& set, std::size_t allowed) const {
+    if (set.size() == 1) return true;
+    const std::uint32_t number = memo_.find(key(set, allowed).data());
+    return number != detail::StateTable<kWords + 1>::kAbsent && exact_[number] != 0;
+  }
+
+  // Losses grow by at least this much, so that sums of rounding errors are not taken for choices.
+  [[nodiscard]] static double slack(double scale) { return kSlack * std::max(1.0, std::abs(scale)); }
+
+  template <class Report>
+  double solve(const Set& piece, std::size_t allowed, Report&& report) {
+    const std::size_t parts = piece.size();
+    const double scale = upper(piece, parts);
+    double limit = known_loss(piece, parts, allowed);
+    double step = slack(scale);
+    while (true) {
+      const double loss = search(piece, parts, allowed, limit);
+      if (result_.stop != Stop::None) {
+        report(loss);
+        return loss;
+      }
+      if (loss <= limit || loss == kInfinity) return loss;
+      report(loss);
+      step *= 2;
+      limit = std::max(loss, limit + step) + slack(scale);
+    }
+  }
+
+  /// The least loss of a piece where it is within `limit`; otherwise a lower bound on it, above `limit`.
+  double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit) {
+    if (parts == 1) return 0;
+    if (allowed == 0) return kInfinity;
+    if (limited_) allowed = useful(allowed, parts);
+    const auto [number, is_new] = memo_.insert(key(piece, allowed).data());
+    if (is_new) {
+      loss_.push_back(0);
+      exact_.push_back(0);
+    }
+    if (exact_[number] != 0 || loss_[number] > limit || result_.stop != Stop::None)
+      return loss_[number];
+    ++result_.statistics.expanded;
+    if (result_.statistics.expanded % 256 == 0) poll();
+
+    const std::size_t begin = cuts_.size();
+    double next = list_cuts(piece, parts, allowed, limit);
+    std::sort(cuts_.begin() + static_cast<std::ptrdiff_t>(begin), cuts_.end(),
+              [](const Cut& a, const Cut& b) { return a.estimate < b.estimate; });
+    double best = kInfinity;
+    const std::size_t end = cuts_.size();
+    const double tie = slack(limit);
+    for (std::size_t i = begin; i < end && result_.stop == Stop::None; ++i) {
+      const Cut cut = cuts_[i];
+      const double most = std::min(limit, best - tie);
+      if (cut.estimate > most) {
+        next = std::min(next, cut.estimate);
+        break;
+      }
+      const Set rest = piece - cut.side;
+      const std::size_t side_parts = cut.side.size();
+      const std::size_t rest_parts = parts - side_parts;
+      const bool both = limited_ && side_parts >= 2 && rest_parts >= 2;
+      const std::size_t side_allowed = both && !cut.side_waits ? allowed - 1 : allowed;
+      const std::size_t rest_allowed = both && cut.side_waits ? allowed - 1 : allowed;
+      // The smaller side first: it is solved sooner.
+      const bool side_first = side_parts <= rest_parts;
+      const Set& one = side_first ? cut.side : rest;
+      const Set& other = side_first ? rest : cut.side;
+      const std::size_t one_parts = side_first ? side_parts : rest_parts;
+      const std::size_t one_allowed = side_first ? side_allowed : rest_allowed;
+      const std::size_t other_allowed = side_first ? rest_allowed : side_allowed;
+      double other_loss = known_loss(other, parts - one_parts, other_allowed);
+      const double one_loss = search(one, one_parts, one_allowed, most - cut.own_loss - other_loss);
+      double total = cut.own_loss + one_loss + other_loss;
+      ++result_.statistics.generated;
+      if (total <= most) {
+        other_loss =
+            search(other, parts - one_parts, other_allowed, most - cut.own_loss - one_loss);
+        total = cut.own_loss + one_loss + other_loss;
+      }
+      if (result_.stop != Stop::None) break;
+      if (total <= most) {
+        best = total;
+      } else {
+        next = std::min(next, total);
+      }
+    }
+    cuts_.resize(begin);
+    if (result_.stop != Stop::None) return loss_[number];
+    if (best <= limit) {
+      loss_[number] = best;
+      exact_[number] = 1;
+    } else {
+      loss_[number] = std::max(loss_[number], next);
+      if (next == kInfinity) exact_[number] = 1;
+    }
+    return loss_[number];
+  }
+
+  /// Appends the legal cuts of `piece` whose estimate is within `limit`, and returns the least estimate of the others.
+  double list_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit) {
+    const double here = upper(piece, parts);
+    double skipped = kInfinity;
+    // Sizes of the smaller side that may stay within the limit.
+    wanted_.assign(parts / 2 + 1, 0);
+    std::size_t largest = 0;
+    const std::size_t most_moved = problem_.limits().max_moved_parts.value_or(parts);
+    for (std::size_t a = 1; a <= std::min(parts / 2, most_moved); ++a) {
+      double least = 0;
+      if (gains_.sizes_known())
+        least = here - gains_.gain(a, parts - a) - gains_.by_size(a) - gains_.by_size(parts - a);
+      if (least > limit) {
+        skipped = std::min(skipped, least);
+      } else {
+        wanted_[a] = 1;
+        largest = a;
+      }
+    }
+    if (largest == 0) return skipped;
+    const auto offer = [&](const Set& side, std::size_t side_parts) {
+      const Set rest = piece - side;
+      const std::optional<double> gain = gain_of(piece, side, rest, side_parts, parts - side_parts);
+      if (!gain) return;
+      const double own = here - *gain - upper(side, side_parts) - upper(rest, parts - side_parts);
+      const auto add = [&](std::size_t side_allowed, std::size_t rest_allowed, bool side_waits) {
+        if ((side_allowed == 0 && side_parts > 1) || (rest_allowed == 0 && side_parts < parts - 1))
+          return;
+        const double estimate = own + known_loss(side, side_parts, side_allowed) +
+                                known_loss(rest, parts - side_parts, rest_allowed);
+        if (estimate > limit) {
+          skipped = std::min(skipped, estimate);
+        } else {
+          cuts_.push_back({side, own, estimate, side_waits});
+        }
+      };
+      if (limited_ && side_parts >= 2 && parts - side_parts >= 2) {
+        add(allowed - 1, allowed, false);
+        add(allowed, allowed - 1, true);
+      } else {
+        add(allowed, allowed, false);
+      }
+    };
+    if (graph_.is_forest()) {
+      piece.for_each([&](std::size_t part) {
+        if (parent_[part] == kNone || !piece.contains(parent_[part])) return;
+        const Set side = below_[part] & piece;
+        const std::size_t side_parts = side.size();
+        if (wanted_[std::min(side_parts, parts - side_parts)] != 0) offer(side, side_parts);
+      });
+    } else {
+      list_sides(piece, parts, largest, offer);
+    }
+    return skipped;
+  }
+
+  /// Calls offer(side, parts) for every connected side of a wanted size, of at most half of the piece, whose rest is
+  /// connected. Reference for listing connected sets once each: Wernicke (2006), IEEE/ACM Trans. Computational Biology
+  /// and Bioinformatics 3(4), 347-359.
+  template <class Offer>
+  void list_sides(const Set& piece, std::size_t parts, std::size_t largest, Offer&& offer) {
+    Set excluded;
+    const std::size_t lowest = piece.first();
+    piece.for_each([&](std::size_t root) {
+      Set side;
+      side.insert(root);
+      Set mine = excluded;
+      grow(piece, parts, largest, side, 1, neighbours_[root] & (piece - mine), mine, lowest, offer);
+      excluded.insert(root);
+    });
+  }
+
+  template <class Offer>
+  void grow(const Set& piece, std::size_t parts, std::size_t largest, const Set& side,
+            std::size_t side_parts, Set frontier, Set excluded, std::size_t lowest, Offer&& offer) {
+    if (result_.stop != Stop::None) return;
+    if (++looks_ % 4096 == 0) poll();
+    // All but one component of the rest must still come in; those with an excluded part cannot.
+    const Set rest = piece - side;
+    const Set component = flood(rest, rest.first());
+    if (component == rest) {
+      if (wanted_[side_parts] != 0 && (2 * side_parts != parts || side.contains(lowest)))
+        offer(side, side_parts);
+    } else {
+      std::size_t outside = 0;  // components that hold an excluded part
+      std::size_t biggest = 0;
+      Set left = rest;
+      while (!left.empty()) {
+        const Set one = flood(left, left.first());
+        biggest = std::max(biggest, one.size());
+        if (!(one & excluded).empty()) ++outside;
+        left = left - one;
+      }
+      if (outside > 1) return;
+      if (side_parts + (parts - side_parts - biggest) > largest) return;
+    }
+    if (side_parts == largest) return;
+    Set mine = excluded;
+    frontier.for_each([&](std::size_t part) {
+      Set larger = side;
+      larger.insert(part);
+      const Set next = (frontier | (neighbours_[part] & piece)) - larger - mine;
+      grow(piece, parts, largest, larger, side_parts + 1, next, mine, lowest, offer);
+      mine.insert(part);
+    });
+  }
+
+  [[nodiscard]] Set flood(const Set& within, std::size_t start) const {
+    Set reached;
+    reached.insert(start);
+    Set front = reached;
+    while (!front.empty()) {
+      Set next;
+      front.for_each([&](std::size_t part) { next = next | neighbours_[part]; });
+      front = (next & within) - reached;
+      reached = reached | front;
+    }
+    return reached;
+  }
+
+  /// What the cut gains at best, if it can be legal.
+  std::optional<double> gain_of(const Set& piece, const Set& side, const Set& rest,
+                                std::size_t side_parts, std::size_t rest_parts) {
+    if (!precedence_.empty() && !may_precede(side, rest)) return std::nullopt;
+    if (by_sizes_)
+      return gains_.gain(std::min(side_parts, rest_parts), std::max(side_parts, rest_parts));
+    side_list_.clear();
+    rest_list_.clear();
+    side.for_each([&](std::size_t p) { side_list_.push_back(static_cast<PartIndex>(p)); });
+    rest.for_each([&](std::size_t p) { rest_list_.push_back(static_cast<PartIndex>(p)); });
+    std::optional<double> best;
+    for (const PartIndex part : side_parts <= rest_parts ? side_list_ : rest_list_) {
+      for (const auto& half : graph_.around(part)) {
+        if (!piece.contains(half.other) || side.contains(half.other) == side.contains(part))
+          continue;
+        const bool side_is_a = side.contains(problem_.ends(half.connection)[0]);
+        const auto gain = side_is_a ? expander_.cut_gain(side_list_, rest_list_, half.connection)
+                                    : expander_.cut_gain(rest_list_, side_list_, half.connection);
+        if (!gain) return std::nullopt;
+        if (!best || *gain > *best) best = *gain;
+        if (!by_connection_) return best;
+      }
+    }
+    return best;
+  }
+
+  // Before the last connection between the two sides goes, all that precedence asks for between them is gone, and each
+  // side must hang together without it.
+  bool may_precede(const Set& side, const Set& rest) {
+    gone_.assign(problem_.num_connections(), 0);
+    bool any = false;
+    side.for_each([&](std::size_t part) {
+      for (const auto& half : graph_.around(static_cast<PartIndex>(part))) {
+        if (!rest.contains(half.other)) continue;
+        for (const ConnectionIndex c : precedence_[half.connection]) {
+          gone_[c] = 1;
+          any = true;
+        }
+      }
+    });
+    if (!any) return true;
+    const auto hangs_together = [&](const Set& set) {
+      Set reached;
+      reached.insert(set.first());
+      std::vector<PartIndex>& queue = queue_;
+      queue.assign(1, static_cast<PartIndex>(set.first()));
+      for (std::size_t i = 0; i < queue.size(); ++i) {
+        for (const auto& half : graph_.around(queue[i])) {
+          if (gone_[half.connection] != 0 || !set.contains(half.other) ||
+              reached.contains(half.other))
+            continue;
+          reached.insert(half.other);
+          queue.push_back(half.other);
+        }
+      }
+      return queue.size() == set.size();
+    };
+    return hangs_together(side) && hangs_together(rest);
+  }
+
+  /// By connection: all that must be gone before it, directly or through others.
+  void close_precedence() {
+    if (problem_.precedence().empty()) return;
+    const std::size_t connections = problem_.num_connections();
+    std::vector<std::vector<ConnectionIndex>> direct(connections);
+    for (const PrecedenceClause& clause : problem_.precedence()) {
+      direct[clause.connection].insert(direct[clause.connection].end(), clause.after.begin(),
+                                       clause.after.end());
+    }
+    precedence_.resize(connections);
+    std::vector<unsigned char> seen(connections);
+    for (ConnectionIndex c = 0; c < connections; ++c) {
+      std::ranges::fill(seen, 0);
+      std::vector<ConnectionIndex>& all = precedence_[c];
+      all = direct[c];
+      for (const ConnectionIndex other : all) seen[other] = 1;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        for (const ConnectionIndex other : direct[all[i]]) {
+          if (seen[other] == 0) all.push_back(other);
+          seen[other] = 1;
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t bytes() const {
+    return memo_.bytes() + loss_.bytes() + exact_.bytes() + cuts_.capacity() * sizeof(Cut);
+  }
+  void poll() {
+    result_.stop = bytes() > allowed_bytes_
+                       ? Stop::MemoryLimit
+                       : budget_.expired(bytes(), result_.statistics.expanded);
+    budget_.report({.phase = "search",
+                    .done = result_.statistics.expanded,
+                    .states = memo_.size()});
+  }
+
+  const Problem& problem_;
+  Expander expander_;
+  PieceGains gains_;
+  detail::AssemblyGraph graph_;
+  const Budget& budget_;
+  std::uint64_t allowed_bytes_;
+  Result& result_;
+  bool by_sizes_;
+  bool by_connection_;
+  bool limited_;
+
+  std::vector<Set> neighbours_;
+  std::vector<std::uint32_t> parent_;  ///< forests: of each part, in the rooted forest
+  std::vector<std::uint32_t> above_;   ///< forests: the connection to the parent
+  std::vector<Set> below_;             ///< forests: parts at and below each part
+  std::vector<std::vector<ConnectionIndex>> precedence_;  ///< empty where none is stated
+
+  detail::StateTable<kWords + 1> memo_;
+  detail::GrowingArray<double> loss_;
+  detail::GrowingArray<unsigned char> exact_;
+  std::vector<Cut> cuts_;
+  std::vector<unsigned char> wanted_;
+  std::vector<unsigned char> gone_;
+  std::vector<PartIndex> queue_;
+  std::vector<PartIndex> side_list_;
+  std::vector<PartIndex> rest_list_;
+  std::uint64_t looks_ = 0;
+
+  std::vector<Set> pieces_;
+  std::size_t allowed_ = 0;
+};
+
+/// The steps of the cut trees, one piece after the other, a side that waits last. What a cut needs: every connection
+/// between the sides, and what precedence asks for before them; all but the last separate nothing.
+template <std::size_t kWords>
+std::vector<ConnectionIndex> Search<kWords>::sequence() {
+  struct Task {
+    Set piece;
+    std::size_t allowed;
+  };
+  const std::size_t connections = problem_.num_connections();
+  std::vector<ConnectionIndex> steps;
+  ConnectionSet open = ConnectionSet::all(connections);
+  std::vector<Task> tasks;  // the last is at hand
+  for (const Set& piece : pieces_) tasks.push_back({piece, allowed_});
+  const auto take = [&](ConnectionIndex c) {
+    if (!open.contains(c)) return true;
+    if (!expander_.legal(open.view(), c)) return false;
+    open.erase(c);
+    steps.push_back(c);
+    return true;
+  };
+  // Which connection of all is best left to the end: one that joins two parts, or one of a part to itself.
+  double best_last = -kInfinity;
+  for (ConnectionIndex c = 0; c < connections; ++c)
+    best_last = std::max(best_last, expander_.completion_surplus(c));
+  for (const ConnectionIndex c : graph_.loops()) {
+    if (expander_.completion_surplus(c) < best_last) static_cast<void>(take(c));
+  }
+  std::vector<ConnectionIndex> needed;
+  while (!tasks.empty()) {
+    const Task task = tasks.back();
+    tasks.pop_back();
+    const std::size_t parts = task.piece.size();
+    if (parts == 1) continue;
+    const std::size_t allowed = limited_ ? useful(task.allowed, parts) : task.allowed;
+    const double loss = known_loss(task.piece, parts, allowed);
+    cuts_.clear();
+    list_cuts(task.piece, parts, allowed, loss + slack(loss) * static_cast<double>(parts));
+    const auto chosen = std::ranges::min_element(cuts_, {}, [&](const Cut& cut) {
+      // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
+      const Set rest = task.piece - cut.side;
+      const std::size_t side_parts = cut.side.size();
+      const bool both = limited_ && side_parts >= 2 && parts - side_parts >= 2;
+      const bool solved =
+          is_exact(cut.side, both && !cut.side_waits ? allowed - 1 : allowed) &&
+          is_exact(rest, both && cut.side_waits ? allowed - 1 : allowed);
+      return solved ? cut.estimate : kInfinity;
+    });
+    if (chosen == cuts_.end()) return {};
+    const Cut cut = *chosen;
+    const Set rest = task.piece - cut.side;
+    const bool both = limited_ && cut.side.size() >= 2 && rest.size() >= 2;
+    // Connections between the sides with what they need first, by repeated passes; the best one to separate last.
+    needed.clear();
+    gone_.assign(connections, 0);
+    for (ConnectionIndex c = 0; c < connections; ++c) {
+      const auto [u, v] = problem_.ends(c);
+      if ((cut.side.contains(u) && rest.contains(v)) || (cut.side.contains(v) && rest.contains(u)))
+        gone_[c] = 1;
+    }
+    ConnectionIndex last = kNone;
+    double best = -kInfinity;
+    for (ConnectionIndex c = 0; c < connections; ++c) {
+      if (gone_[c] != 1) continue;
+      needed.push_back(c);
+      if (!by_connection_ || !open.contains(c)) continue;
+      side_list_.clear();
+      rest_list_.clear();
+      cut.side.for_each([&](std::size_t p) { side_list_.push_back(static_cast<PartIndex>(p)); });
+      rest.for_each([&](std::size_t p) { rest_list_.push_back(static_cast<PartIndex>(p)); });
+      const bool side_is_a = cut.side.contains(problem_.ends(c)[0]);
+      const auto gain = side_is_a ? expander_.cut_gain(side_list_, rest_list_, c)
+                                  : expander_.cut_gain(rest_list_, side_list_, c);
+      if (gain && *gain > best) {
+        best = *gain;
+        last = c;
+      }
+    }
+    if (!precedence_.empty()) {
+      const std::size_t crossing = needed.size();
+      for (std::size_t i = 0; i < crossing; ++i) {
+        for (const ConnectionIndex c : precedence_[needed[i]]) {
+          if (gone_[c] == 0) needed.push_back(c);
+          gone_[c] = 1;
+        }
+      }
+    }
+    std::size_t left = needed.size();
+    bool moving = true;
+    while (left > 0 && moving) {
+      moving = false;
+      for (ConnectionIndex& c : needed) {
+        if (c == kNone || (c == last && left > 1)) continue;
+        if (!take(c)) continue;
+        c = kNone;
+        --left;
+        moving = true;
+      }
+    }
+    if (left > 0) return {};
+    const Task side{cut.side, both && !cut.side_waits ? allowed - 1 : allowed};
+    const Task others{rest, both && cut.side_waits ? allowed - 1 : allowed};
+    tasks.push_back(cut.side_waits ? side : others);
+    tasks.push_back(cut.side_waits ? others : side);
+  }
+  // Connections of a part to itself, and what only precedence held back.
+  bool moving = true;
+  while (moving) {
+    moving = false;
+    for (ConnectionIndex c = 0; c < connections; ++c) {
+      if (open.contains(c) && take(c)) moving = true;
+    }
+  }
+  return steps.size() == connections ? steps : std::vector<ConnectionIndex>{};
+}
+
+template <std::size_t kWords>
+Result searched(const TransitionSystem& system, const Budget& budget) {
+  Result result;
+  result.method = "and-or";
+  std::vector<ConnectionIndex> sequence;
+  {
+    Search<kWords> search(system, budget, result);
+    if (!search.run()) return result;
+    if (*result.bound == -kInfinity) return detail::exhausted("and-or", result.statistics);
+    sequence = search.sequence();
+  }
+  if (sequence.size() != system.num_connections()) return result;
+  Expander expander(system);
+  ConnectionSet open = system.start();
+  double reward = 0;
+  for (const ConnectionIndex c : sequence) {
+    reward += expander.step(open.view(), c).reward;
+    open.erase(c);
+  }
+  result.sequence = std::move(sequence);
+  result.reward = reward;
+  const double rounding = kRewardTolerance * std::max(1.0, std::abs(reward));
+  result.status = reward >= *result.bound - rounding ? Status::Optimal : Status::Feasible;
+  if (result.status == Status::Optimal) result.bound = reward;
+  return result;
+}
+
+}  // namespace
+
+bool and_or_applies(const TransitionSystem& system) {
+  return system.sees_piece_only() && system.problem().direction() == Direction::Disassembly &&
+         system.problem().num_parts() <= kAndOrMostParts;
+}
+
+Result and_or(const TransitionSystem& system, const Budget& budget) {
+  const Stopwatch watch;
+  if (!and_or_applies(system)) {
+    throw InputError(
+        "and-or takes problems in disassembly, of at most " + std::to_string(kAndOrMostParts) +
+        " parts, whose objective sees nothing but the piece that is cut; use value-iteration, "
+        "a-star or beam instead");
+  }
+  if (auto result = detail::settled(system, "and-or")) return *result;
+  const std::size_t words = (system.problem().num_parts() + 63) / 64;
+  Result result = words <= 1   ? searched<1>(system, budget)
+                  : words <= 2 ? searched<2>(system, budget)
+                  : words <= 4 ? searched<4>(system, budget)
+                  : words <= 8 ? searched<8>(system, budget)
+                               : searched<16>(system, budget);
+  if (!result.has_plan() && result.status != Status::Infeasible) {
+    Result other = detail::stopped(system, "and-or", result.stop, result.statistics);
+    other.bound = result.bound;
+    if (other.has_plan() && other.reward >= *other.bound - kRewardTolerance) {
+      other.status = Status::Optimal;
+      other.bound = other.reward;
+      other.stop = Stop::None;
+    }
+    result = std::move(other);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp
