@@ -158,6 +158,7 @@ class Search {
     Set side;
     double own_loss;   ///< g(S) - gain - g(A) - g(B)
     double estimate;   ///< own loss and the lower bounds of both sides
+    std::uint64_t order;  ///< among equal ones
     bool side_waits;   ///< the rest is finished first
   };
 
@@ -206,10 +207,22 @@ class Search {
   double solve(const Set& piece, std::size_t allowed, Report&& report) {
     const std::size_t parts = piece.size();
     const double scale = upper(piece, parts);
-    double limit = known_loss(piece, parts, allowed);
+    parts_scale_ = scale;
+    double limit = known_loss(piece, parts, allowed) + slack(scale);
     double step = slack(scale);
+    // A dive that goes wrong high up tries every way to fail further down: so each try ends after a while, and the next
+    // takes equal cuts in another order. What was proved stays.
+    std::uint64_t patience = 64 * parts;
+    salt_ = 0;
     while (true) {
+      interrupted_ = false;
+      try_ends_ = result_.statistics.expanded + patience;
       const double loss = search(piece, parts, allowed, limit);
+      if (interrupted_ && result_.stop == Stop::None) {
+        patience += patience / 4;
+        ++salt_;
+        continue;
+      }
       if (result_.stop != Stop::None) {
         report(loss);
         return loss;
@@ -231,24 +244,33 @@ class Search {
       loss_.push_back(0);
       exact_.push_back(0);
     }
-    if (exact_[number] != 0 || loss_[number] > limit || result_.stop != Stop::None)
+    if (exact_[number] != 0 || loss_[number] > limit || stopped())
       return loss_[number];
     ++result_.statistics.expanded;
     if (result_.statistics.expanded % 256 == 0) poll();
+    if (result_.statistics.expanded >= try_ends_) {
+      interrupted_ = true;
+      return loss_[number];
+    }
 
     const std::size_t begin = cuts_.size();
     double next = list_cuts(piece, parts, allowed, limit);
     std::sort(cuts_.begin() + static_cast<std::ptrdiff_t>(begin), cuts_.end(),
-              [](const Cut& a, const Cut& b) { return a.estimate < b.estimate; });
+              [tie = slack(parts_scale_)](const Cut& a, const Cut& b) {
+                // Sums of the same numbers in another order are equal, not a preference.
+                const double left = std::floor(a.estimate / tie + 0.5);
+                const double right = std::floor(b.estimate / tie + 0.5);
+                return left != right ? left < right : a.order < b.order;
+              });
     double best = kInfinity;
     const std::size_t end = cuts_.size();
     const double tie = slack(limit);
-    for (std::size_t i = begin; i < end && result_.stop == Stop::None; ++i) {
+    for (std::size_t i = begin; i < end && !stopped(); ++i) {
       const Cut cut = cuts_[i];
       const double most = std::min(limit, best - tie);
       if (cut.estimate > most) {
         next = std::min(next, cut.estimate);
-        break;
+        continue;
       }
       const Set rest = piece - cut.side;
       const std::size_t side_parts = cut.side.size();
@@ -272,7 +294,7 @@ class Search {
             search(other, parts - one_parts, other_allowed, most - cut.own_loss - one_loss);
         total = cut.own_loss + one_loss + other_loss;
       }
-      if (result_.stop != Stop::None) break;
+      if (stopped()) break;
       if (total <= most) {
         best = total;
       } else {
@@ -280,7 +302,7 @@ class Search {
       }
     }
     cuts_.resize(begin);
-    if (result_.stop != Stop::None) return loss_[number];
+    if (stopped()) return loss_[number];
     if (best <= limit) {
       loss_[number] = best;
       exact_[number] = 1;
@@ -324,7 +346,9 @@ class Search {
         if (estimate > limit) {
           skipped = std::min(skipped, estimate);
         } else {
-          cuts_.push_back({side, own, estimate, side_waits});
+          const std::uint64_t order =
+              salt_ == 0 ? cuts_.size() : mixed(hash_value(side.words) + salt_);
+          cuts_.push_back({side, own, estimate, order, side_waits});
         }
       };
       if (limited_ && side_parts >= 2 && parts - side_parts >= 2) {
@@ -496,6 +520,7 @@ class Search {
     }
   }
 
+  [[nodiscard]] bool stopped() const { return interrupted_ || result_.stop != Stop::None; }
   [[nodiscard]] std::uint64_t bytes() const {
     return memo_.bytes() + loss_.bytes() + exact_.bytes() + cuts_.capacity() * sizeof(Cut);
   }
@@ -534,7 +559,11 @@ class Search {
   std::vector<PartIndex> queue_;
   std::vector<PartIndex> side_list_;
   std::vector<PartIndex> rest_list_;
+  double parts_scale_ = 0;  ///< size of the bound of the piece at hand: what rounding is measured by
   std::uint64_t looks_ = 0;
+  std::uint64_t salt_ = 0;      ///< of the order of equal cuts; 0: as they are listed
+  std::uint64_t try_ends_ = 0;  ///< at so many expansions
+  bool interrupted_ = false;    ///< the try has ended
 
   std::vector<Set> pieces_;
   std::size_t allowed_ = 0;
