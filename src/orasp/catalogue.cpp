@@ -36,12 +36,22 @@ constexpr std::array kPlanners = {
             "the paper's ORASP Search: depth-first branch and bound that generates H as it goes",
             true, false, 0, always,
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return orasp_search(system, {.seed = options.seed}, budget);
+              return orasp_search(system, {.seed = options.seed, .bound = options.bound}, budget);
+            }},
+    Planner{"a-star", "best first on H, guided by an upper bound on what is left", true, false, 0,
+            always,
+            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
+              return a_star(system, {.bound = options.bound}, budget);
+            }},
+    Planner{"beam", "complete anytime beam search: a plan at once, better ones as it goes", true, false, 0,
+            always,
+            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
+              return beam(system, {.bound = options.bound}, budget);
             }},
     Planner{"and-or", "piece by piece: AND/OR search over connected sets of parts", false, false, 0,
             always,
             [](const TransitionSystem& system, const Options&, const Budget& budget) {
-              return and_or(system, budget);
+              return and_or(system, {}, budget);
             }},
     Planner{"exhaustive", "every sequence, for checking (at most 12 connections)", true, false,
             kExhaustiveMaxConnections, always,

@@ -5,7 +5,9 @@
 #include <string_view>
 
 #include "orasp/model/problem.h"
+#include "orasp/planners/a_star.h"
 #include "orasp/planners/and_or.h"
+#include "orasp/planners/beam.h"
 #include "orasp/planners/bellman_ford.h"
 #include "orasp/planners/budget.h"
 #include "orasp/planners/dijkstra.h"
@@ -23,6 +25,7 @@ struct Options {
   std::uint64_t seed = 1;  ///< of every planner that draws random numbers
   ValueIterationOptions value_iteration;
   BellmanFordOptions bellman_ford;
+  BoundKind bound = BoundKind::Best;  ///< of orasp-search, a-star and beam
 };
 
 /// One row of the catalogue.

@@ -5,14 +5,17 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "orasp/model/detail/connectivity.h"
+#include "orasp/model/scenario_generators.h"
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/detail/growing_array.h"
+#include "orasp/planners/detail/parallel.h"
 #include "orasp/planners/detail/planner_support.h"
 #include "orasp/planners/detail/state_table.h"
 
@@ -67,23 +70,86 @@ struct PartSet {
   friend bool operator==(const PartSet&, const PartSet&) = default;
 };
 
+/// What all searches of one problem share.
+struct World {
+  explicit World(const TransitionSystem& the_system)
+      : system(the_system), gains(the_system), graph(the_system.problem()) {}
+
+  const TransitionSystem& system;
+  PieceGains gains;
+  detail::AssemblyGraph graph;
+};
+
+/// By part, the part above it in a spanning forest, or kNoPart. With a seed: depth first in a random order, so that the
+/// trees are long paths with short branches, which can be cut into halves nearly anywhere.
+constexpr std::uint32_t kNoPart = std::numeric_limits<std::uint32_t>::max();
+struct Rooted {
+  std::vector<std::uint32_t> parent;
+  std::vector<PartIndex> order;  ///< each part after the one above it
+};
+Rooted spanning_forest(const detail::AssemblyGraph& graph, std::uint64_t seed) {
+  const std::size_t parts = graph.num_parts();
+  Rooted forest{std::vector<std::uint32_t>(parts, kNoPart), {}};
+  SplitMix64 random(seed);
+  std::vector<PartIndex> roots(parts);
+  std::iota(roots.begin(), roots.end(), PartIndex{0});
+  std::vector<unsigned char> seen(parts, 0);
+  struct Frame {
+    PartIndex part;
+    std::vector<PartIndex> next;
+  };
+  std::vector<Frame> path;
+  const auto shuffle = [&](std::vector<PartIndex>& list) {
+    for (std::size_t i = list.size(); i > 1; --i)
+      std::swap(list[i - 1], list[static_cast<std::size_t>(random.below(i))]);
+  };
+  const auto enter = [&](PartIndex part) {
+    seen[part] = 1;
+    forest.order.push_back(part);
+    Frame& frame = path.emplace_back(Frame{part, {}});
+    for (const auto& half : graph.around(part)) frame.next.push_back(half.other);
+    shuffle(frame.next);
+  };
+  shuffle(roots);
+  for (const PartIndex root : roots) {
+    if (seen[root] != 0) continue;
+    enter(root);
+    while (!path.empty()) {
+      if (path.back().next.empty()) {
+        path.pop_back();
+        continue;
+      }
+      const PartIndex from = path.back().part;
+      const PartIndex to = path.back().next.back();
+      path.back().next.pop_back();
+      if (seen[to] != 0) continue;
+      forest.parent[to] = from;
+      enter(to);
+    }
+  }
+  return forest;
+}
+
 /// The search; kWords as many words as hold a set of all parts.
 template <std::size_t kWords>
 class Search {
  public:
   using Set = PartSet<kWords>;
 
-  Search(const TransitionSystem& system, const Budget& budget, Result& result)
-      : problem_(system.problem()),
-        expander_(system),
-        gains_(system),
-        graph_(problem_),
+  /// Looks at all cuts; with a seed only at those along a random spanning forest (in a forest these are all): few, so the
+  /// best of them are found even where all are too many.
+  Search(const World& world, std::uint64_t forest_seed, const Budget& budget, Result& result)
+      : problem_(world.system.problem()),
+        expander_(world.system),
+        gains_(world.gains),
+        graph_(world.graph),
+        along_forest_(forest_seed != 0 || world.graph.is_forest()),
         budget_(budget),
         allowed_bytes_(allowed_bytes(budget)),
         result_(result),
-        by_sizes_(system.gain_by_sizes() && !problem_.limits().max_moved_mass &&
+        by_sizes_(world.system.gain_by_sizes() && !problem_.limits().max_moved_mass &&
                   problem_.directions() == 0),
-        by_connection_(system.gain_by_connection()),
+        by_connection_(world.system.gain_by_connection()),
         limited_(problem_.limits().max_subassemblies.has_value()),
         memo_(kWords + 1) {
     const std::size_t parts = problem_.num_parts();
@@ -94,25 +160,25 @@ class Search {
       neighbours_[u].insert(v);
       neighbours_[v].insert(u);
     }
-    parent_.assign(parts, kNone);
-    above_.assign(parts, kNone);
-    below_.resize(parts);
-    if (graph_.is_forest()) {
+    if (along_forest_) {
+      Rooted forest = spanning_forest(graph_, forest_seed);
+      parent_ = std::move(forest.parent);
+      below_.resize(parts);
       for (std::size_t p = 0; p < parts; ++p) below_[p].insert(p);
-      const auto forest = graph_.forest();
-      for (const auto& edge : forest) {
-        const auto [u, v] = problem_.ends(edge.connection);
-        parent_[edge.child] = u == edge.child ? v : u;
-        above_[edge.child] = edge.connection;
+      for (std::size_t i = parts; i-- > 0;) {
+        const PartIndex part = forest.order[i];
+        if (parent_[part] != kNoPart)
+          below_[parent_[part]] = below_[parent_[part]] | below_[part];
       }
-      for (std::size_t i = forest.size(); i-- > 0;)
-        below_[parent_[forest[i].child]] = below_[parent_[forest[i].child]] | below_[forest[i].child];
     }
     close_precedence();
   }
 
-  /// @returns whether the search came to an end.
-  bool run() {
+  /// @returns whether the search came to an end. What it has proved stays for the next run.
+  bool run(std::uint64_t most_expansions, std::uint64_t most_looks) {
+    gave_up_ = false;
+    last_expansion_ = result_.statistics.expanded + most_expansions;
+    last_look_ = looks_ + most_looks;
     std::vector<Set> pieces;
     graph_.for_each_piece(ConnectionSet::all(problem_.num_connections()).view(),
                           [&](std::span<const PartIndex> piece) {
@@ -134,19 +200,18 @@ class Search {
       const double loss = solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
       most -= loss;
       result_.bound = most;
-      if (most == -kInfinity || result_.stop != Stop::None) break;
+      if (most == -kInfinity || result_.stop != Stop::None || gave_up_) break;
     }
-    result_.statistics.states = memo_.size();
-    result_.statistics.peak_bytes = bytes();
-    if (result_.stop != Stop::None) return false;
-    if (most == -kInfinity) return true;
+    result_.statistics.states = std::max<std::uint64_t>(result_.statistics.states, memo_.size());
+    result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
     allowed_ = allowed;
     pieces_ = std::move(pieces);
-    return true;
+    return result_.stop == Stop::None && !gave_up_;
   }
 
-  /// Carries the cut trees out as legal steps; empty where that leads nowhere.
-  std::vector<ConnectionIndex> sequence();
+  /// Carries the cut trees out as legal steps; empty where that leads nowhere. `dive`: where a piece is not solved take the
+  /// cut that promises most.
+  std::vector<ConnectionIndex> sequence(bool dive);
 
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -218,12 +283,12 @@ class Search {
       interrupted_ = false;
       try_ends_ = result_.statistics.expanded + patience;
       const double loss = search(piece, parts, allowed, limit);
-      if (interrupted_ && result_.stop == Stop::None) {
+      if (interrupted_ && result_.stop == Stop::None && !gave_up_) {
         patience += patience / 4;
         ++salt_;
         continue;
       }
-      if (result_.stop != Stop::None) {
+      if (result_.stop != Stop::None || gave_up_) {
         report(loss);
         return loss;
       }
@@ -248,6 +313,7 @@ class Search {
       return loss_[number];
     ++result_.statistics.expanded;
     if (result_.statistics.expanded % 256 == 0) poll();
+    if (result_.statistics.expanded >= last_expansion_) gave_up_ = true;
     if (result_.statistics.expanded >= try_ends_) {
       interrupted_ = true;
       return loss_[number];
@@ -349,6 +415,7 @@ class Search {
           const std::uint64_t order =
               salt_ == 0 ? cuts_.size() : mixed(hash_value(side.words) + salt_);
           cuts_.push_back({side, own, estimate, order, side_waits});
+          if (cuts_.size() * sizeof(Cut) > allowed_bytes_ / 2) gave_up_ = true;
         }
       };
       if (limited_ && side_parts >= 2 && parts - side_parts >= 2) {
@@ -358,9 +425,9 @@ class Search {
         add(allowed, allowed, false);
       }
     };
-    if (graph_.is_forest()) {
+    if (along_forest_) {
       piece.for_each([&](std::size_t part) {
-        if (parent_[part] == kNone || !piece.contains(parent_[part])) return;
+        if (parent_[part] == kNoPart || !piece.contains(parent_[part])) return;
         const Set side = below_[part] & piece;
         const std::size_t side_parts = side.size();
         if (wanted_[std::min(side_parts, parts - side_parts)] != 0) offer(side, side_parts);
@@ -390,8 +457,9 @@ class Search {
   template <class Offer>
   void grow(const Set& piece, std::size_t parts, std::size_t largest, const Set& side,
             std::size_t side_parts, Set frontier, Set excluded, std::size_t lowest, Offer&& offer) {
-    if (result_.stop != Stop::None) return;
+    if (stopped()) return;
     if (++looks_ % 4096 == 0) poll();
+    if (looks_ >= last_look_) gave_up_ = true;
     // All but one component of the rest must still come in; those with an excluded part cannot.
     const Set rest = piece - side;
     const Set component = flood(rest, rest.first());
@@ -520,7 +588,9 @@ class Search {
     }
   }
 
-  [[nodiscard]] bool stopped() const { return interrupted_ || result_.stop != Stop::None; }
+  [[nodiscard]] bool stopped() const {
+    return interrupted_ || gave_up_ || result_.stop != Stop::None;
+  }
   [[nodiscard]] std::uint64_t bytes() const {
     return memo_.bytes() + loss_.bytes() + exact_.bytes() + cuts_.capacity() * sizeof(Cut);
   }
@@ -535,8 +605,9 @@ class Search {
 
   const Problem& problem_;
   Expander expander_;
-  PieceGains gains_;
-  detail::AssemblyGraph graph_;
+  const PieceGains& gains_;
+  const detail::AssemblyGraph& graph_;
+  bool along_forest_;
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
@@ -545,9 +616,8 @@ class Search {
   bool limited_;
 
   std::vector<Set> neighbours_;
-  std::vector<std::uint32_t> parent_;  ///< forests: of each part, in the rooted forest
-  std::vector<std::uint32_t> above_;   ///< forests: the connection to the parent
-  std::vector<Set> below_;             ///< forests: parts at and below each part
+  std::vector<std::uint32_t> parent_;  ///< along a forest: of each part
+  std::vector<Set> below_;             ///< along a forest: parts at and below each part
   std::vector<std::vector<ConnectionIndex>> precedence_;  ///< empty where none is stated
 
   detail::StateTable<kWords + 1> memo_;
@@ -563,7 +633,10 @@ class Search {
   std::uint64_t looks_ = 0;
   std::uint64_t salt_ = 0;      ///< of the order of equal cuts; 0: as they are listed
   std::uint64_t try_ends_ = 0;  ///< at so many expansions
+  std::uint64_t last_expansion_ = 0;
+  std::uint64_t last_look_ = 0;
   bool interrupted_ = false;    ///< the try has ended
+  bool gave_up_ = false;        ///< the scope has
 
   std::vector<Set> pieces_;
   std::size_t allowed_ = 0;
@@ -572,7 +645,7 @@ class Search {
 /// The steps of the cut trees, one piece after the other, a side that waits last. What a cut needs: every connection
 /// between the sides, and what precedence asks for before them; all but the last separate nothing.
 template <std::size_t kWords>
-std::vector<ConnectionIndex> Search<kWords>::sequence() {
+std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
   struct Task {
     Set piece;
     std::size_t allowed;
@@ -605,7 +678,10 @@ std::vector<ConnectionIndex> Search<kWords>::sequence() {
     const std::size_t allowed = limited_ ? useful(task.allowed, parts) : task.allowed;
     const double loss = known_loss(task.piece, parts, allowed);
     cuts_.clear();
-    list_cuts(task.piece, parts, allowed, loss + slack(loss) * static_cast<double>(parts));
+    const bool known = is_exact(task.piece, allowed);
+    if (!known && !dive) return {};
+    list_cuts(task.piece, parts, allowed,
+              known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity);
     const auto chosen = std::ranges::min_element(cuts_, {}, [&](const Cut& cut) {
       // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
       const Set rest = task.piece - cut.side;
@@ -614,7 +690,7 @@ std::vector<ConnectionIndex> Search<kWords>::sequence() {
       const bool solved =
           is_exact(cut.side, both && !cut.side_waits ? allowed - 1 : allowed) &&
           is_exact(rest, both && cut.side_waits ? allowed - 1 : allowed);
-      return solved ? cut.estimate : kInfinity;
+      return solved || !known ? cut.estimate : kInfinity;
     });
     if (chosen == cuts_.end()) return {};
     const Cut cut = *chosen;
@@ -684,18 +760,8 @@ std::vector<ConnectionIndex> Search<kWords>::sequence() {
   return steps.size() == connections ? steps : std::vector<ConnectionIndex>{};
 }
 
-template <std::size_t kWords>
-Result searched(const TransitionSystem& system, const Budget& budget) {
-  Result result;
-  result.method = "and-or";
-  std::vector<ConnectionIndex> sequence;
-  {
-    Search<kWords> search(system, budget, result);
-    if (!search.run()) return result;
-    if (*result.bound == -kInfinity) return detail::exhausted("and-or", result.statistics);
-    sequence = search.sequence();
-  }
-  if (sequence.size() != system.num_connections()) return result;
+/// The reward of a sequence of legal steps.
+double reward_of(const TransitionSystem& system, const std::vector<ConnectionIndex>& sequence) {
   Expander expander(system);
   ConnectionSet open = system.start();
   double reward = 0;
@@ -703,12 +769,92 @@ Result searched(const TransitionSystem& system, const Budget& budget) {
     reward += expander.step(open.view(), c).reward;
     open.erase(c);
   }
+  return reward;
+}
+
+/// The plan that the search has found, if it can be carried out.
+template <std::size_t kWords>
+void take_plan(const World& world, Search<kWords>& search, bool dive, Result& result) {
+  std::vector<ConnectionIndex> sequence = search.sequence(dive);
+  if (sequence.size() != world.system.num_connections()) return;
+  result.reward = reward_of(world.system, sequence);
   result.sequence = std::move(sequence);
-  result.reward = reward;
-  const double rounding = kRewardTolerance * std::max(1.0, std::abs(reward));
-  result.status = reward >= *result.bound - rounding ? Status::Optimal : Status::Feasible;
-  if (result.status == Status::Optimal) result.bound = reward;
-  return result;
+  result.status = Status::Feasible;
+}
+
+void add_effort(Statistics& sum, const Statistics& part) {
+  sum.states = std::max(sum.states, part.states);
+  sum.expanded += part.expanded;
+  sum.generated += part.generated;
+  sum.peak_bytes = std::max(sum.peak_bytes, part.peak_bytes);
+}
+
+/// A look at all cuts, which often is enough; where they are too many, plans along random spanning forests; and so on in
+/// turn, each time for longer.
+template <std::size_t kWords>
+Result planned(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
+  constexpr std::uint64_t kFirstExpansions = 20'000;
+  constexpr std::uint64_t kFirstLooks = 200'000;
+  constexpr std::uint64_t kForestsInRound = 8;  // the same for any number of threads
+  constexpr std::uint64_t kForestExpansions = 2'000;
+  const World world(system);
+  Result whole;  // what looking at all cuts gives
+  Search<kWords> search(world, 0, budget, whole);
+  Result best;
+  best.method = "and-or";
+  for (std::uint64_t round = options.first_round;; ++round) {
+    const std::uint64_t longer = std::uint64_t{1} << std::min<std::uint64_t>(round, 40);
+    const bool ended = search.run(kFirstExpansions * longer, kFirstLooks * longer);
+    const double most = whole.bound.value_or(kInfinity);
+    if (ended && most == -kInfinity) return detail::exhausted("and-or", whole.statistics);
+    if (ended) take_plan(world, search, false, whole);
+    if (whole.has_plan() && whole.reward > best.reward) {
+      best.sequence = whole.sequence;
+      best.reward = whole.reward;
+    }
+    const auto proved = [&] {
+      return std::isfinite(best.reward) &&
+             best.reward >= most - kRewardTolerance * std::max(1.0, std::abs(best.reward));
+    };
+    Stop stop = whole.stop;
+    if (!proved() && !ended && stop == Stop::None && !world.graph.is_forest()) {
+      std::vector<Result> results(kForestsInRound);
+      const std::size_t threads =
+          std::min<std::size_t>(std::max(1U, budget.threads), kForestsInRound);
+      detail::run_parallel(threads, [&](std::size_t t) {
+        Budget quiet = budget;
+        quiet.progress = nullptr;
+        for (std::size_t i = t; i < kForestsInRound; i += threads) {
+          Search<kWords> along(world, round * kForestsInRound + i + 1, quiet, results[i]);
+          const std::uint64_t expansions = kForestExpansions * longer;
+          static_cast<void>(along.run(expansions, expansions));
+          if (results[i].stop == Stop::None) take_plan(world, along, true, results[i]);
+        }
+      });
+      for (Result& result : results) {
+        add_effort(best.statistics, result.statistics);
+        if (stop == Stop::None) stop = result.stop;
+        if (!result.has_plan() || result.reward <= best.reward) continue;
+        best.sequence = std::move(result.sequence);
+        best.reward = result.reward;
+      }
+    }
+    const bool last = round - options.first_round + 1 >= options.rounds;
+    if (!ended && !proved() && stop == Stop::None) {
+      if (!last) continue;
+      stop = Stop::ExpansionLimit;
+    }
+    add_effort(best.statistics, whole.statistics);
+    best.bound = most;
+    if (!best.sequence.empty() || system.num_connections() == 0) best.status = Status::Feasible;
+    if (proved()) {
+      best.status = Status::Optimal;
+      best.bound = best.reward;
+    } else {
+      best.stop = stop;
+    }
+    return best;
+  }
 }
 
 }  // namespace
@@ -718,7 +864,7 @@ bool and_or_applies(const TransitionSystem& system) {
          system.problem().num_parts() <= kAndOrMostParts;
 }
 
-Result and_or(const TransitionSystem& system, const Budget& budget) {
+Result and_or(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
   const Stopwatch watch;
   if (!and_or_applies(system)) {
     throw InputError(
@@ -728,11 +874,11 @@ Result and_or(const TransitionSystem& system, const Budget& budget) {
   }
   if (auto result = detail::settled(system, "and-or")) return *result;
   const std::size_t words = (system.problem().num_parts() + 63) / 64;
-  Result result = words <= 1   ? searched<1>(system, budget)
-                  : words <= 2 ? searched<2>(system, budget)
-                  : words <= 4 ? searched<4>(system, budget)
-                  : words <= 8 ? searched<8>(system, budget)
-                               : searched<16>(system, budget);
+  Result result = words <= 1   ? planned<1>(system, options, budget)
+                  : words <= 2 ? planned<2>(system, options, budget)
+                  : words <= 4 ? planned<4>(system, options, budget)
+                  : words <= 8 ? planned<8>(system, options, budget)
+                               : planned<16>(system, options, budget);
   if (!result.has_plan() && result.status != Status::Infeasible) {
     Result other = detail::stopped(system, "and-or", result.stop, result.statistics);
     other.bound = result.bound;

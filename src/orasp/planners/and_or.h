@@ -1,10 +1,21 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
+
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/budget.h"
 #include "orasp/planners/result.h"
 
 namespace orasp {
+
+inline constexpr std::size_t kAndOrMostParts = 1024;
+
+/// The search goes in rounds, each twice as long as the one before.
+struct AndOrOptions {
+  std::uint64_t first_round = 0;
+  std::uint64_t rounds = std::numeric_limits<std::uint64_t>::max();
+};
 
 /// Finds an optimal plan piece by piece: AND/OR search over connected sets of parts.
 ///
@@ -29,8 +40,8 @@ namespace orasp {
 /// Limit.      Disassembly, at most kAndOrMostParts parts, objectives that see the piece only.
 /// Repeatable. Ties go to the cut listed first.
 /// @throws InputError where the objective or the direction does not allow it: the sentence says which methods do.
-inline constexpr std::size_t kAndOrMostParts = 1024;
-[[nodiscard]] Result and_or(const TransitionSystem& system, const Budget& budget);
+[[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,
+                            const Budget& budget);
 
 /// Whether and_or takes this problem.
 [[nodiscard]] bool and_or_applies(const TransitionSystem& system);

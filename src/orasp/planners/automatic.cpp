@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <string>
+#include <utility>
 
+#include "orasp/planners/and_or.h"
+#include "orasp/planners/beam.h"
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/detail/planner_support.h"
 #include "orasp/planners/greedy.h"
-#include "orasp/planners/orasp_search.h"
 #include "orasp/planners/state_graph.h"
 #include "orasp/planners/value_iteration.h"
 
@@ -18,6 +20,8 @@ namespace {
 
 /// Expansions for a look at whether a plan meets the bound; a few milliseconds.
 constexpr std::uint64_t kFirstLook = 5000;
+/// Expansions of the first turn of beam; each turn is twice as long as the one before.
+constexpr std::uint64_t kFirstTurn = 20'000;
 
 /// Whether H is small enough to build, looked at as cheaply as possible.
 bool worth_building(const TransitionSystem& system, const Budget& budget) {
@@ -28,70 +32,137 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
   return estimate.actions <= kAutomaticMostActions && estimate.bytes <= allowed;
 }
 
+/// What is known so far: the best plan and the least bound of all methods, and what they did.
+class Findings {
+ public:
+  Findings() {
+    best_.method = "auto";
+    best_.bound = std::numeric_limits<double>::infinity();
+  }
+
+  void lower(double bound) { best_.bound = std::min(*best_.bound, bound); }
+
+  /// @returns whether `result` taught anything new.
+  bool add(const Result& result) {
+    Statistics& sum = best_.statistics;
+    const Statistics& part = result.statistics;
+    sum.states = std::max(sum.states, part.states);
+    sum.actions = std::max(sum.actions, part.actions);
+    sum.expanded += part.expanded;
+    sum.generated += part.generated;
+    sum.reopened += part.reopened;
+    sum.pruned += part.pruned;
+    sum.sweeps += part.sweeps;
+    sum.peak_bytes = std::max(sum.peak_bytes, part.peak_bytes);
+    const double bound_before = *best_.bound;
+    if (result.bound) lower(*result.bound);
+    if (result.status == Status::Infeasible) infeasible_ = true;
+    const bool better = result.has_plan() && (!best_.has_plan() || result.reward > best_.reward);
+    if (better) {
+      best_.status = Status::Feasible;
+      best_.sequence = result.sequence;
+      best_.reward = result.reward;
+    }
+    return better || *best_.bound < bound_before;
+  }
+
+  [[nodiscard]] const Result& best() const { return best_; }
+  [[nodiscard]] bool settled() const {
+    return infeasible_ ||
+           (best_.has_plan() &&
+            best_.reward >= *best_.bound - kRewardTolerance * std::max(1.0, std::abs(best_.reward)));
+  }
+
+  [[nodiscard]] Result answer(Stop stop, const std::string& how) const {
+    Result result = best_;
+    if (infeasible_) {
+      result = detail::exhausted("auto", best_.statistics);
+    } else if (settled()) {
+      result.status = Status::Optimal;
+      result.bound = result.reward;
+    } else {
+      result.stop = stop;
+      if (!std::isfinite(*result.bound)) result.bound.reset();
+    }
+    result.notes.insert(result.notes.begin(), "auto: " + how);
+    return result;
+  }
+
+ private:
+  Result best_;
+  bool infeasible_ = false;
+};
+
+Result chosen(const TransitionSystem& system, const Budget& budget) {
+  const ConnectionSet start = system.start();
+  Findings findings;
+
+  // A plan that meets the bound, at any size.
+  PieceBound pieces(system, PieceBound::Kind::Both);
+  if (pieces.known()) {
+    findings.lower(pieces(start.view()));
+    Budget first = budget;
+    first.max_expansions =
+        std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
+    findings.add(plan_at_bound(system, pieces, first));
+    if (findings.settled())
+      return findings.answer(Stop::None,
+                             "the plan earns as much as the bound on its pieces allows");
+  }
+  // Piece by piece, a short look.
+  const bool by_pieces = and_or_applies(system);
+  bool pieces_ended = !by_pieces;
+  const auto look_at_pieces = [&](std::uint64_t round) {
+    const Result result = and_or(system, {.first_round = round, .rounds = 1}, budget);
+    findings.add(result);
+    if (result.stop == Stop::None) pieces_ended = true;
+    return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
+  };
+  Stop stop = Stop::None;
+  if (by_pieces) {
+    stop = look_at_pieces(0);
+    if (findings.settled() || stop != Stop::None)
+      return findings.answer(stop, "and-or, since the objective sees the piece only");
+  }
+  // Everything, where that is not much.
+  if (worth_building(system, budget)) {
+    const Result result = value_iteration(system, {}, budget);
+    findings.add(result);
+    return findings.answer(result.stop, "value-iteration, since the state-action graph is small");
+  }
+  ConnectionBound connections(system);
+  if (connections.known()) findings.lower(connections(start.view()));
+
+  // In turn until the limit, each turn twice as long as the one before.
+  std::string how = by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
+                              : "beam, since the state-action graph is too large to build";
+  for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
+    Budget some = budget;
+    if (!pieces_ended) {
+      some.max_expansions = kFirstTurn << std::min<std::uint64_t>(turn, 40);
+      some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
+    }
+    const Result passes = beam(system, {.incumbent = &findings.best()}, some);
+    findings.add(passes);
+    stop = passes.stop == Stop::ExpansionLimit && some.max_expansions < budget.max_expansions
+               ? Stop::None
+               : passes.stop;
+    if (findings.settled() || stop != Stop::None) break;
+    if (passes.status == Status::Optimal) break;
+    if (!pieces_ended) stop = look_at_pieces(turn + 1);
+  }
+  return findings.answer(stop, how);
+}
+
 }  // namespace
 
 Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
   const Stopwatch watch;
   if (auto result = detail::settled(system, "auto")) return *result;
-  const auto answer = [&](Result result, const std::string& how) {
-    result.notes.insert(result.notes.begin(), "auto: " + how);
-    result.statistics.seconds = watch.seconds();
-    return result;
-  };
-  const ConnectionSet start = system.start();
-
-  std::optional<Result> incumbent;
-  double most = std::numeric_limits<double>::infinity();  // upper bound on any plan
-  const auto proved = [&] { return incumbent && incumbent->reward >= most - kRewardTolerance; };
-  const auto as_proved = [&] {
-    incumbent->method = "auto";
-    incumbent->status = Status::Optimal;
-    incumbent->stop = Stop::None;
-    incumbent->bound = incumbent->reward;
-    return *incumbent;
-  };
-
-  PieceBound sizes(system, PieceBound::Kind::Both);
-  if (sizes.known()) {
-    most = sizes(start.view());
-    Budget first = budget;
-    first.max_expansions =
-        std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
-    Result found = plan_at_bound(system, sizes, first);
-    if (!found.has_plan()) found = guided_greedy(system, sizes, first);
-    if (found.has_plan()) incumbent = std::move(found);
-    if (proved())
-      return answer(as_proved(), "the plan earns as much as the bound over piece sizes allows");
-  }
-  if (worth_building(system, budget)) {
-    return answer(value_iteration(system, {}, budget),
-                  "value-iteration, since the state-action graph is small");
-  }
-  if (!incumbent) {
-    Result plain = greedy(system, budget);
-    if (plain.status == Status::Infeasible || !plain.has_plan())
-      return answer(std::move(plain), "greedy");
-    incumbent = std::move(plain);
-  }
-  ConnectionBound connections(system);
-  most = std::min(most, connections(start.view()));
-  if (proved()) return answer(as_proved(), "the plan earns as much as its connections can at best");
-  if (!connections.known()) {
-    if (std::isfinite(most)) incumbent->bound = most;
-    return answer(std::move(*incumbent),
-                  "greedy, since the state-action graph is too large and no bound is known for "
-                  "this objective");
-  }
-  Result search = orasp_search(system, {.seed = seed, .incumbent = &*incumbent}, budget);
-  search.bound = std::min(search.bound.value_or(most), most);
-  if (search.has_plan() && search.reward >= *search.bound - kRewardTolerance) {
-    search.status = Status::Optimal;
-    search.stop = Stop::None;  // the bound proves it, however the search ended
-    search.bound = search.reward;
-  }
-  return answer(
-      std::move(search),
-      "orasp-search from a greedy plan, since the state-action graph is too large to build");
+  Result result = chosen(system, budget);
+  result.seed = seed;
+  result.statistics.seconds = watch.seconds();
+  return result;
 }
 
 }  // namespace orasp

@@ -11,11 +11,12 @@ inline constexpr double kAutomaticMostActions = 2e8;
 
 /// Chooses a method by the size of the problem and its objective, and says what it did and why (Result::notes).
 ///
-/// Idea.       Where the objective sees only sizes, a greedy plan guided by SizeBound first: if it earns as much as the
-///             bound it is optimal, at any size. Otherwise, where H has at most kAutomaticMostActions actions and fits,
-///             value-iteration. Elsewhere orasp-search from the best greedy plan to the limit; where no bound is known
-///             (planners/bounds.h) the greedy plan is the answer.
-/// Guarantee.  Optimal only with one of these proofs; otherwise the best plan found and the best bound known.
+/// Idea.       Where the objective sees the piece only, first a plan that meets the bound on its pieces: it is optimal, at
+///             any size; then a short and-or. Where H has at most kAutomaticMostActions actions and fits, value-iteration.
+///             Elsewhere beam from the best plan so far and and-or in turn, each turn twice as long as the one before, as
+///             soon as the best plan meets the least bound of all, or to the limit.
+/// Guarantee.  Optimal only with one of these proofs; otherwise the best plan found and the least bound proved. The same
+///             for any number of threads, unless a limit stops it.
 [[nodiscard]] Result automatic(const TransitionSystem& system, std::uint64_t seed,
                                const Budget& budget);
 

@@ -1,0 +1,181 @@
+#include "orasp/planners/a_star.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "orasp/planners/detail/growing_array.h"
+#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/detail/state_table.h"
+#include "orasp/planners/state_graph.h"
+
+namespace orasp {
+
+namespace {
+
+/// kWords as in StateTable.
+template <std::size_t kWords>
+class Search {
+ public:
+  Search(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
+      : system_(system),
+        expander_(system),
+        bound_(bound),
+        budget_(budget),
+        allowed_(allowed_bytes(budget)),
+        result_(result),
+        table_(system.words()) {}
+
+  void run() {
+    const ConnectionSet start = system_.start();
+    const double all = bound_(start.view());
+    tick_ = kRewardTolerance * std::max(1.0, std::abs(all));
+    meet(start, 0, 0, all, 0);
+    state_ = start;
+    while (!open_.empty() && result_.stop == Stop::None) {
+      std::ranges::pop_heap(open_, later);
+      const Open next = open_.back();
+      open_.pop_back();
+      if (closed_[next.state] != 0) continue;  // met again by a better path since
+      closed_[next.state] = 1;
+      if (next.depth == system_.num_connections()) {
+        finish(next.state);
+        break;
+      }
+      expand(next);
+    }
+    if (result_.stop != Stop::None)
+      result_.bound = open_.empty() ? all : static_cast<double>(open_.front().promise + 1) * tick_;
+    result_.statistics.states = table_.size();
+    result_.statistics.peak_bytes = bytes();
+  }
+
+ private:
+  struct Open {
+    std::int64_t promise;  ///< f in ticks
+    std::uint32_t state;
+    std::uint32_t depth;
+  };
+  /// For a heap with the best on top.
+  static bool later(const Open& a, const Open& b) {
+    if (a.promise != b.promise) return a.promise < b.promise;
+    if (a.depth != b.depth) return a.depth < b.depth;
+    return a.state < b.state;
+  }
+
+  void meet(const ConnectionSet& state, ConnectionIndex by, double reward, double rest,
+            std::uint32_t depth) {
+    const auto [number, is_new] = table_.insert(state.view().data());
+    if (is_new) {
+      reward_.push_back(reward);
+      by_.push_back(static_cast<std::uint16_t>(by));
+      closed_.push_back(0);
+    } else {
+      if (reward <= reward_[number] + tick_ / 16) {
+        ++result_.statistics.pruned;
+        return;
+      }
+      ++result_.statistics.reopened;
+      reward_[number] = reward;
+      by_[number] = static_cast<std::uint16_t>(by);
+      closed_[number] = 0;
+    }
+    open_.push_back(
+        {static_cast<std::int64_t>(std::floor((reward + rest) / tick_ + 0.5)), number, depth});
+    std::ranges::push_heap(open_, later);
+  }
+
+  void expand(const Open& from) {
+    ++result_.statistics.expanded;
+    if (result_.statistics.expanded % 256 == 0 || budget_.max_expansions < 256) {
+      result_.stop = bytes() > allowed_ ? Stop::MemoryLimit
+                                        : budget_.expired(bytes(), result_.statistics.expanded);
+      budget_.report({.phase = "search",
+                      .done = result_.statistics.expanded,
+                      .states = table_.size()});
+      if (result_.stop != Stop::None) {  // it is still open, for the bound
+        open_.push_back(from);
+        std::ranges::push_heap(open_, later);
+        return;
+      }
+    }
+    ConnectionSet state(system_.num_connections(), {table_.key(from.state), system_.words()});
+    const double reward = reward_[from.state];
+    const auto legal = expander_.legal_actions(state.view());
+    rests_.resize(legal.size());
+    const double here = static_cast<double>(from.promise) * tick_ - reward;
+    bound_.of_successors(state.view(), here, legal, rests_);
+    for (std::size_t i = 0; i < legal.size(); ++i) {
+      ++result_.statistics.generated;
+      const ConnectionIndex c = legal[i].connection;
+      state.erase(c);
+      meet(state, c, reward + legal[i].reward, rests_[i], from.depth + 1);
+      state.insert(c);
+    }
+  }
+
+  void finish(std::uint32_t goal) {
+    ConnectionSet state(system_.num_connections());
+    std::vector<ConnectionIndex>& sequence = result_.sequence;
+    std::uint32_t number = goal;
+    while (sequence.size() < system_.num_connections()) {
+      sequence.push_back(by_[number]);
+      state.insert(by_[number]);
+      number = table_.find(state.view().data());
+    }
+    std::ranges::reverse(sequence);
+    result_.reward = reward_[goal];
+    result_.bound = result_.reward;
+    result_.status = Status::Optimal;
+  }
+
+  [[nodiscard]] std::uint64_t bytes() const {
+    return table_.bytes() + reward_.bytes() + by_.bytes() + closed_.bytes() +
+           open_.capacity() * sizeof(Open);
+  }
+
+  const TransitionSystem& system_;
+  Expander expander_;
+  Bound& bound_;
+  const Budget& budget_;
+  std::uint64_t allowed_;
+  Result& result_;
+  double tick_ = 1;
+  ConnectionSet state_;
+  detail::StateTable<kWords> table_;
+  detail::GrowingArray<double> reward_;  ///< from the start, by state
+  detail::GrowingArray<std::uint16_t> by_;
+  detail::GrowingArray<unsigned char> closed_;
+  std::vector<Open> open_;
+  std::vector<double> rests_;
+};
+
+}  // namespace
+
+Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
+  static_assert(kMaxConnections <= std::size_t{1} << 16);
+  const Stopwatch watch;
+  if (auto result = detail::settled(system, "a-star")) return *result;
+  const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
+  if (!bound->known()) throw detail::no_bound(system, "a-star", options.bound);
+  Result result;
+  result.method = "a-star";
+  if (system.words() == 1) {
+    Search<1>(system, *bound, budget, result).run();
+  } else {
+    Search<0>(system, *bound, budget, result).run();
+  }
+  if (result.stop != Stop::None) {
+    const std::optional<double> most = result.bound;
+    result = detail::stopped(system, "a-star", result.stop, result.statistics);
+    result.bound = most;
+  } else if (result.status != Status::Optimal) {
+    result = detail::exhausted("a-star", result.statistics);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp

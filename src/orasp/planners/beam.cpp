@@ -1,0 +1,344 @@
+#include "orasp/planners/beam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "orasp/planners/detail/parallel.h"
+#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/state_graph.h"
+
+namespace orasp {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class Search {
+ public:
+  Search(const TransitionSystem& system, const BeamOptions& options, const Budget& budget,
+         Result& result)
+      : system_(system),
+        budget_(budget),
+        words_(system.words()),
+        allowed_(allowed_bytes(budget)),
+        result_(result),
+        workers_(std::max(1U, budget.threads)) {
+    for (Worker& worker : workers_) {
+      worker.expander = std::make_unique<Expander>(system);
+      worker.bound = make_bound(system, options.bound);
+    }
+    bounded_ = workers_.front().bound->known();
+  }
+
+  [[nodiscard]] bool bounded() const { return bounded_; }
+
+  void run() {
+    const double most = bounded_ ? (*workers_.front().bound)(system_.start().view()) : kInfinity;
+    tick_ = kRewardTolerance * (std::isfinite(most) ? std::max(1.0, std::abs(most)) : 1.0);
+    proved_ = most;
+    for (std::size_t width = 1; result_.stop == Stop::None; width *= 2) {
+      ++result_.statistics.sweeps;
+      const double left_out = pass(width);
+      if (result_.stop != Stop::None) break;
+      proved_ = std::min(proved_, std::max(left_out, result_.reward));
+      if (left_out == -kInfinity || (bounded_ && result_.reward >= proved_ - tick_)) {
+        done_ = true;
+        break;
+      }
+    }
+    if (std::isfinite(proved_)) result_.bound = proved_;
+    result_.statistics.peak_bytes = peak_bytes_;
+  }
+
+  /// Whether the search came to its end: what it has is optimal, and if it has nothing there is nothing.
+  [[nodiscard]] bool done() const { return done_; }
+
+ private:
+  /// A state of the next layer: the state `parent` of this layer less `connection`.
+  struct Candidate {
+    double promise;
+    double reward;
+    double rest;
+    std::uint64_t hash;  ///< of the state
+    std::uint32_t parent;
+    ConnectionIndex connection;
+  };
+  struct Layer {
+    std::vector<std::uint64_t> states;
+    std::vector<double> rewards;
+    std::vector<double> rests;
+    std::vector<std::uint64_t> hashes;
+
+    void clear() {
+      states.clear();
+      rewards.clear();
+      rests.clear();
+      hashes.clear();
+    }
+    [[nodiscard]] std::size_t size() const { return rewards.size(); }
+  };
+  struct Taken {
+    std::uint32_t parent;
+    std::uint16_t connection;
+  };
+  struct Worker {
+    std::unique_ptr<Expander> expander;
+    std::unique_ptr<Bound> bound;
+    std::vector<Candidate> found;
+    std::vector<double> rests;
+    std::uint64_t expanded = 0;
+    std::uint64_t generated = 0;
+    std::uint64_t pruned = 0;
+    Stop stop = Stop::None;
+  };
+
+  [[nodiscard]] SetView state_of(const Layer& layer, std::size_t i) const {
+    return {layer.states.data() + i * words_, words_};
+  }
+  [[nodiscard]] static std::uint64_t mark_of(ConnectionIndex c) { return mixed(c + 1U); }
+  [[nodiscard]] bool same_state(const Layer& layer, const Candidate& a, const Candidate& b) const {
+    if (a.hash != b.hash) return false;
+    const SetView one = state_of(layer, a.parent);
+    const SetView other = state_of(layer, b.parent);
+    for (std::size_t w = 0; w < words_; ++w) {
+      std::uint64_t x = one[w];
+      std::uint64_t y = other[w];
+      if (w == a.connection / 64) x &= ~(std::uint64_t{1} << (a.connection % 64));
+      if (w == b.connection / 64) y &= ~(std::uint64_t{1} << (b.connection % 64));
+      if (x != y) return false;
+    }
+    return true;
+  }
+  /// Greater promise first; among equals as the hash has it.
+  [[nodiscard]] bool before(const Candidate& a, const Candidate& b) const {
+    const double left = std::floor(a.promise / tick_ + 0.5);
+    const double right = std::floor(b.promise / tick_ + 0.5);
+    if (left != right) return left > right;
+    const std::uint64_t one = mixed(a.hash + result_.statistics.sweeps);
+    const std::uint64_t other = mixed(b.hash + result_.statistics.sweeps);
+    return one != other ? one < other : std::pair(a.parent, a.connection) < std::pair(b.parent, b.connection);
+  }
+
+  /// One pass; @returns the greatest promise that found no room, -infinity if everything did.
+  double pass(std::size_t width) {
+    const std::size_t depth = system_.num_connections();
+    double left_out = -kInfinity;
+    taken_.clear();
+    begins_.assign(1, 0);
+    layer_.clear();
+    const ConnectionSet start = system_.start();
+    layer_.states.assign(start.view().begin(), start.view().end());
+    layer_.rewards.push_back(0);
+    layer_.rests.push_back(bounded_ ? (*workers_.front().bound)(start.view()) : 0);
+    layer_.hashes.push_back(0);
+    for (std::size_t k = 0; k < depth && layer_.size() > 0; ++k) {
+      left_out = std::max(left_out, expand_layer(width, k + 1 == depth));
+      if (result_.stop != Stop::None) return left_out;
+      make_next_layer();
+    }
+    if (layer_.size() > 0) {
+      // One state is left at most: the goal.
+      if (layer_.rewards.front() > result_.reward || !result_.has_plan()) take_plan();
+    }
+    return left_out;
+  }
+
+  // Fills kept_ with the best `width` of all successors.
+  double expand_layer(std::size_t width, bool last) {
+    double left_out = -kInfinity;
+    kept_.clear();
+    slots_.assign(64, 0);
+    const std::size_t size = layer_.size();
+    const std::size_t threads = workers_.size();
+    constexpr std::size_t chunk = 1024;  // the same for any number of threads
+    for (std::size_t begin = 0; begin < size; begin += chunk) {
+      const std::size_t end = std::min(size, begin + chunk);
+      const std::size_t used = end - begin < 4 * threads ? 1 : threads;
+      detail::run_parallel(used, [&](std::size_t t) {
+        const detail::Share share = detail::share_of(end - begin, used, t);
+        work(workers_[t], begin + share.begin, begin + share.end, last);
+      });
+      for (std::size_t t = 0; t < used; ++t) {
+        Worker& worker = workers_[t];
+        result_.statistics.expanded += worker.expanded;
+        result_.statistics.generated += worker.generated;
+        result_.statistics.pruned += worker.pruned;
+        worker.expanded = worker.generated = worker.pruned = 0;
+        if (result_.stop == Stop::None) result_.stop = worker.stop;
+        for (const Candidate& candidate : worker.found) merge(candidate);
+        worker.found.clear();
+      }
+      if (kept_.size() > 2 * width) left_out = std::max(left_out, cut_down(width));
+      poll();
+      if (result_.stop != Stop::None) return left_out;
+    }
+    if (kept_.size() > width) left_out = std::max(left_out, cut_down(width));
+    return left_out;
+  }
+
+  void work(Worker& worker, std::size_t begin, std::size_t end, bool last) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if ((i - begin) % 64 == 63 && (worker.stop = budget_.expired()) != Stop::None) return;
+      const SetView open = state_of(layer_, i);
+      const auto legal = worker.expander->legal_actions(open);
+      ++worker.expanded;
+      worker.rests.assign(legal.size(), 0);
+      if (bounded_) worker.bound->of_successors(open, layer_.rests[i], legal, worker.rests);
+      for (std::size_t a = 0; a < legal.size(); ++a) {
+        const double reward = layer_.rewards[i] + legal[a].reward;
+        const double promise = reward + worker.rests[a];
+        ++worker.generated;
+        // At the goal nothing is left to promise.
+        if (bounded_ && result_.has_plan() && promise <= result_.reward + (last ? 0 : tick_)) {
+          ++worker.pruned;
+          continue;
+        }
+        const ConnectionIndex c = legal[a].connection;
+        worker.found.push_back({promise, reward, worker.rests[a], layer_.hashes[i] ^ mark_of(c),
+                                static_cast<std::uint32_t>(i), c});
+      }
+    }
+  }
+
+  void merge(const Candidate& candidate) {
+    if (kept_.size() * 2 >= slots_.size()) index(slots_.size() * 4);
+    std::size_t i = mixed(candidate.hash) & (slots_.size() - 1);
+    while (slots_[i] != 0) {
+      Candidate& other = kept_[slots_[i] - 1];
+      if (same_state(layer_, other, candidate)) {
+        ++result_.statistics.pruned;
+        if (candidate.reward > other.reward) {
+          other = candidate;
+          ++result_.statistics.reopened;
+        }
+        return;
+      }
+      i = (i + 1) & (slots_.size() - 1);
+    }
+    kept_.push_back(candidate);
+    slots_[i] = static_cast<std::uint32_t>(kept_.size());
+  }
+  void index(std::size_t slots) {
+    slots_.assign(slots, 0);
+    for (std::size_t k = 0; k < kept_.size(); ++k) {
+      std::size_t i = mixed(kept_[k].hash) & (slots - 1);
+      while (slots_[i] != 0) i = (i + 1) & (slots - 1);
+      slots_[i] = static_cast<std::uint32_t>(k + 1);
+    }
+  }
+  double cut_down(std::size_t width) {
+    const auto order = [this](const Candidate& a, const Candidate& b) { return before(a, b); };
+    std::nth_element(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(width), kept_.end(),
+                     order);
+    double left_out = -kInfinity;
+    for (std::size_t i = width; i < kept_.size(); ++i)
+      left_out = std::max(left_out, bounded_ ? kept_[i].promise : kInfinity);
+    kept_.resize(width);
+    // nth_element leaves an order of its own; what follows must not depend on it.
+    std::sort(kept_.begin(), kept_.end(), order);
+    index(slots_.size());
+    return left_out;
+  }
+
+  void make_next_layer() {
+    next_.clear();
+    std::sort(kept_.begin(), kept_.end(),
+              [this](const Candidate& a, const Candidate& b) { return before(a, b); });
+    for (const Candidate& candidate : kept_) {
+      const SetView parent = state_of(layer_, candidate.parent);
+      next_.states.insert(next_.states.end(), parent.begin(), parent.end());
+      next_.states[next_.size() * words_ + candidate.connection / 64] &=
+          ~(std::uint64_t{1} << (candidate.connection % 64));
+      next_.rewards.push_back(candidate.reward);
+      next_.rests.push_back(candidate.rest);
+      next_.hashes.push_back(candidate.hash);
+      taken_.push_back({candidate.parent, static_cast<std::uint16_t>(candidate.connection)});
+    }
+    begins_.push_back(taken_.size());
+    std::swap(layer_, next_);
+  }
+
+  void take_plan() {
+    const std::size_t depth = system_.num_connections();
+    result_.reward = layer_.rewards.front();
+    result_.status = Status::Feasible;
+    result_.sequence.assign(depth, 0);
+    std::size_t index = 0;
+    for (std::size_t k = depth; k-- > 0;) {
+      const Taken& taken = taken_[begins_[k] + index];
+      result_.sequence[k] = taken.connection;
+      index = taken.parent;
+    }
+  }
+
+  void poll() {
+    std::uint64_t bytes = taken_.capacity() * sizeof(Taken) + kept_.capacity() * sizeof(Candidate) +
+                          slots_.capacity() * sizeof(std::uint32_t);
+    for (const Layer* layer : {&layer_, &next_})
+      bytes += layer->states.capacity() * 8 + layer->size() * 24;
+    for (const Worker& worker : workers_) bytes += worker.found.capacity() * sizeof(Candidate);
+    peak_bytes_ = std::max(peak_bytes_, bytes);
+    if (result_.stop == Stop::None)
+      result_.stop = bytes > allowed_ ? Stop::MemoryLimit
+                                      : budget_.expired(bytes, result_.statistics.expanded);
+    budget_.report({.phase = "pass",
+                    .done = result_.statistics.sweeps,
+                    .states = layer_.size(),
+                    .best = result_.reward});
+  }
+
+  const TransitionSystem& system_;
+  const Budget& budget_;
+  std::size_t words_;
+  std::uint64_t allowed_;
+  Result& result_;
+  std::vector<Worker> workers_;
+  bool bounded_ = false;
+  bool done_ = false;
+  double tick_ = 1;
+  double proved_ = kInfinity;  ///< upper bound on any plan
+  std::uint64_t peak_bytes_ = 0;
+  Layer layer_;
+  Layer next_;
+  std::vector<Candidate> kept_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<Taken> taken_;          ///< layer after layer, from the first on
+  std::vector<std::size_t> begins_;   ///< of each layer in `taken_`
+};
+
+}  // namespace
+
+Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
+  static_assert(kMaxConnections <= std::size_t{1} << 16);
+  const Stopwatch watch;
+  if (auto result = detail::settled(system, "beam")) return *result;
+  Result result;
+  if (options.incumbent != nullptr && options.incumbent->has_plan()) result = *options.incumbent;
+  result.method = "beam";
+  result.stop = Stop::None;
+  result.statistics = {};
+  Search search(system, options, budget, result);
+  if (!search.bounded() && options.bound != BoundKind::Best)
+    throw detail::no_bound(system, "beam", options.bound);
+  search.run();
+  if (search.done()) {
+    if (result.has_plan()) {
+      result.status = Status::Optimal;
+      result.bound = result.reward;
+    } else {
+      result = detail::exhausted("beam", result.statistics);
+    }
+  } else if (!result.has_plan()) {
+    const std::optional<double> most = result.bound;
+    result = detail::stopped(system, "beam", result.stop, result.statistics);
+    result.bound = most;
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp
