@@ -12,6 +12,7 @@
 
 #include "orasp/catalogue.h"
 #include "orasp/model/error.h"
+#include "orasp/planners/and_or.h"
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/graph_size.h"
 #include "orasp/planners/greedy.h"
@@ -104,8 +105,14 @@ TEST_P(Agreement, EveryPlannerIsRightAboutEveryProblem) {
         expect_honest(problem, truth, planner, result);
         expect_same_answer(result, solve(problem, planner.name, {}, two_threads));
       } catch (const InputError& error) {
-        EXPECT_EQ(planner.name, "orasp-search") << error.what();
-        EXPECT_FALSE(range_is_known(spec.objective)) << error.what();
+        const TransitionSystem system(problem);
+        if (planner.name == "and-or") {
+          EXPECT_FALSE(and_or_applies(system)) << error.what();
+        } else {
+          EXPECT_TRUE(planner.name == "orasp-search" || planner.name == "a-star") << error.what();
+          EXPECT_FALSE(make_bound(system, BoundKind::Best)->known()) << error.what();
+          EXPECT_FALSE(range_is_known(spec.objective)) << error.what();
+        }
       }
     }
   });
@@ -141,7 +148,7 @@ TEST_P(Agreement, ConnectionBoundIsAdmissibleAndConsistentInEveryState) {
   for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
     const Problem problem(spec);
     const TransitionSystem system(problem);
-    const ConnectionBound bound(system);
+    ConnectionBound bound(system);
     const oracle::World world(spec);
     for (const auto& [state, value] : truth.best_to_go) {
       const double here = bound(oracle::set_of(state).view());
@@ -163,35 +170,66 @@ TEST_P(Agreement, ConnectionBoundIsAdmissibleAndConsistentInEveryState) {
   });
 }
 
-// The same for the bound from sizes, where it says anything; and what is claimed of plans that meet it.
-TEST_P(Agreement, SizeBoundIsAdmissibleAndConsistentInEveryState) {
+// The same for the bounds from pieces, where they say anything; and what is claimed of plans that meet them.
+TEST_P(Agreement, PieceBoundsAreAdmissibleAndConsistentInEveryState) {
   for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
     const Problem problem(spec);
     const TransitionSystem system(problem);
-    SizeBound bound(system);
-    if (!bound.known()) return;
     const oracle::World world(spec);
-    for (const auto& [state, value] : truth.best_to_go) {
-      const double here = bound(oracle::set_of(state).view());
-      ASSERT_TRUE(std::isfinite(here));
-      EXPECT_GE(here, value - reward_tolerance(here));
-      for (const oracle::Facts& action : world.legal_facts(state)) {
-        oracle::State next = state;
-        next[action.connection] = false;
-        const double there = bound(oracle::set_of(next).view());
-        EXPECT_GE(here - there, action.reward - reward_tolerance(here));
+    for (const PieceBound::Kind kind :
+         {PieceBound::Kind::Sizes, PieceBound::Kind::Parts, PieceBound::Kind::Both}) {
+      SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)));
+      PieceBound bound(system, kind);
+      if (!bound.known()) continue;
+      for (const auto& [state, value] : truth.best_to_go) {
+        const ConnectionSet open = oracle::set_of(state);
+        const double here = bound(open.view());
+        ASSERT_TRUE(std::isfinite(here));
+        EXPECT_GE(here, value - reward_tolerance(here));
+        std::vector<Action> actions;
+        std::vector<double> theres;
+        for (const oracle::Facts& action : world.legal_facts(state)) {
+          oracle::State next = state;
+          next[action.connection] = false;
+          actions.push_back({static_cast<ConnectionIndex>(action.connection), action.reward});
+          theres.push_back(bound(oracle::set_of(next).view()));
+          EXPECT_GE(here - theres.back(), action.reward - reward_tolerance(here));
+        }
+        // What a search is told of the successors is the same.
+        std::vector<double> told(actions.size());
+        bound.of_successors(open.view(), here, actions, told);
+        for (std::size_t i = 0; i < actions.size(); ++i)
+          EXPECT_NEAR(told[i], theres[i], reward_tolerance(here));
+      }
+      const Planner& planner = find_planner("greedy");
+      Result guided = guided_greedy(system, bound, Budget{});
+      guided.method = planner.name;
+      expect_honest(problem, truth, planner, guided);
+      const Result at_bound = plan_at_bound(system, bound, Budget{});
+      EXPECT_TRUE(at_bound.status != Status::Infeasible || !truth.feasible);
+      EXPECT_TRUE(at_bound.status != Status::Optimal || problem.num_connections() == 0);
+      if (at_bound.has_plan()) {
+        EXPECT_TRUE(oracle::replay(spec, at_bound.sequence).valid);
+        EXPECT_LE(at_bound.reward, truth.best + reward_tolerance(truth.best));
       }
     }
-    const Planner& planner = find_planner("greedy");
-    Result guided = guided_greedy(system, bound, Budget{});
-    guided.method = planner.name;
-    expect_honest(problem, truth, planner, guided);
-    const Result at_bound = plan_at_bound(system, bound, Budget{});
-    EXPECT_TRUE(at_bound.status != Status::Infeasible || !truth.feasible);
-    EXPECT_TRUE(at_bound.status != Status::Optimal || problem.num_connections() == 0);
-    if (at_bound.has_plan()) {
-      EXPECT_TRUE(oracle::replay(spec, at_bound.sequence).valid);
-      EXPECT_LE(at_bound.reward, truth.best + reward_tolerance(truth.best));
+  });
+}
+
+// What searches do with each bound must not change what they find.
+TEST_P(Agreement, EveryBoundLeadsToTheSameReward) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    for (const std::string_view name : kBoundNames) {
+      SCOPED_TRACE(std::string(name));
+      Options options;
+      options.bound = bound_called(name);
+      if (!make_bound(system, options.bound)->known()) continue;
+      for (const char* method : {"orasp-search", "a-star", "beam"}) {
+        const Planner& planner = find_planner(method);
+        expect_honest(problem, truth, planner, planner.run(system, options, Budget{}));
+      }
     }
   });
 }
@@ -243,7 +281,10 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   }
   const Problem sized(spec);
   const TransitionSystem sized_system(sized);
-  if (SizeBound(sized_system).known()) features.insert("bound from sizes");
+  if (PieceBound(sized_system, PieceBound::Kind::Sizes).known())
+    features.insert("bound from sizes");
+  if (PieceBound(sized_system, PieceBound::Kind::Parts).known())
+    features.insert("bound from what is moved");
   if (truth.feasible && truth.best - truth.worst > 1e-6)
     features.insert("plans of different rewards");
 
@@ -333,6 +374,7 @@ TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
       {"feasible with dead ends", 40},
       {"plans of different rewards", 150},
       {"bound from sizes", 100},
+      {"bound from what is moved", 40},
       {"after", 150},
       {"after_any", 60},
       {"several entries on one connection", 40},

@@ -16,7 +16,7 @@ std::vector<double> true_values(const StateGraph& graph) {
   return value_iteration(graph, {}, {}).values;
 }
 
-TEST(SizeBound, IsNeverBelowATrueValueOfARandomProblem) {
+TEST(PieceBound, IsNeverBelowATrueValueOfARandomProblem) {
   std::size_t problems = 0;
   std::size_t states = 0;
   for (std::uint64_t seed = 5000; seed < 5600; ++seed) {
@@ -24,7 +24,7 @@ TEST(SizeBound, IsNeverBelowATrueValueOfARandomProblem) {
     spec.direction = Direction::Disassembly;
     const Problem problem(spec);
     const TransitionSystem system(problem);
-    SizeBound bound(system);
+    PieceBound bound(system, PieceBound::Kind::Sizes);
     if (!bound.known() || system.infeasibility()) continue;
     ++problems;
     const StateGraph graph = StateGraph::build(system, {});
@@ -39,11 +39,11 @@ TEST(SizeBound, IsNeverBelowATrueValueOfARandomProblem) {
 }
 
 // The change of the bound that add_change tells is the difference of two bounds, but for the last step.
-TEST(SizeBound, TellsTheChangeOfEveryAction) {
+TEST(PieceBound, TellsTheChangeOfEveryAction) {
   for (const char* name : {"2x3", "lattice", "4piece"}) {
     const Problem problem = load_scenario(name);
     const TransitionSystem system(problem);
-    SizeBound bound(system);
+    PieceBound bound(system, PieceBound::Kind::Sizes);
     ASSERT_TRUE(bound.known());
     Expander expander(system);
     const StateGraph graph = StateGraph::build(system, {});
@@ -65,10 +65,10 @@ TEST(SizeBound, TellsTheChangeOfEveryAction) {
 }
 
 // g(2) = -2 * 0.0967, g(3) = -0.0967 - 0.1248 + g(2), g(4) = max(-0.0967 - 0.1368 + g(3), -2 * 0.1248 + 2 g(2)).
-TEST(SizeBound, IsTheRecursionOverSizes) {
+TEST(PieceBound, IsTheRecursionOverSizes) {
   const Problem problem = load_scenario("4brick");
   const TransitionSystem system(problem);
-  SizeBound bound(system);
+  PieceBound bound(system, PieceBound::Kind::Sizes);
   const double g2 = -2 * 0.0967;
   const double g3 = -0.0967 - 0.1248 + g2;
   const double g4 = std::max(-0.0967 - 0.1368 + g3, -2 * 0.1248 + 2 * g2);
@@ -76,12 +76,13 @@ TEST(SizeBound, IsTheRecursionOverSizes) {
               1e-12);  // the last step earns 1 instead of its cost
 }
 
-TEST(SizeBound, SaysNothingWhereTheObjectiveSeesMoreThanSizes) {
-  for (const char* type : {"indexed", "time", "fuel"}) {
-    const Problem problem = load_scenario("lattice").with_objective(Objective::named(type));
+TEST(PieceBound, SaysNothingWhereTheObjectiveSeesMoreThanThePiece) {
+  const Problem indexed = load_scenario("lattice").with_objective(Objective::named("indexed"));
+  const Problem forward = load_scenario("lattice").with_direction(Direction::Assembly);
+  for (const Problem& problem : {indexed, forward}) {
     const TransitionSystem system(problem);
-    SizeBound bound(system);
-    EXPECT_FALSE(bound.known()) << type;
+    PieceBound bound(system, PieceBound::Kind::Both);
+    EXPECT_FALSE(bound.known());
     EXPECT_EQ(bound(system.start().view()), std::numeric_limits<double>::infinity());
   }
 }
@@ -101,7 +102,8 @@ TEST(Automatic, ProvesTheSpaceStationAndTheTelescopeByTheBoundOverSizes) {
 }
 
 TEST(Automatic, GivesAPlanAndABoundWhereItIsStopped) {
-  const Problem problem = load_scenario("random:60:120:5").with_objective(Objective::named("fuel"));
+  const Problem problem =
+      load_scenario("random:60:120:5").with_objective(Objective::named("indexed"));
   const Result result = solve(problem, "auto", {}, Budget::with_time_limit(0.2));
   EXPECT_EQ(result.status, Status::Feasible);
   EXPECT_EQ(result.stop, Stop::TimeLimit);

@@ -33,6 +33,7 @@ class Search {
     const double all = bound_(start.view());
     tick_ = kRewardTolerance * std::max(1.0, std::abs(all));
     meet(start, 0, 0, all, 0);
+    result_.stop = budget_.expired();
     state_ = start;
     while (!open_.empty() && result_.stop == Stop::None) {
       std::ranges::pop_heap(open_, later);

@@ -18,6 +18,7 @@
 #include "orasp/planners/detail/parallel.h"
 #include "orasp/planners/detail/planner_support.h"
 #include "orasp/planners/detail/state_table.h"
+#include "orasp/planners/greedy.h"
 
 namespace orasp {
 
@@ -195,6 +196,7 @@ class Search {
     for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
     if (problem_.num_connections() > 0) most += gains_.last_surplus();
     for (const Set& piece : pieces) most += upper(piece, piece.size());
+    result_.bound = most;
     for (const Set& piece : pieces) {
       const double before = most;
       const double loss = solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
@@ -798,6 +800,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
   constexpr std::uint64_t kForestsInRound = 8;  // the same for any number of threads
   constexpr std::uint64_t kForestExpansions = 2'000;
   const World world(system);
+  if (!world.gains.sizes_known() && !world.gains.parts_known()) return {};
   Result whole;  // what looking at all cuts gives
   Search<kWords> search(world, 0, budget, whole);
   Result best;
@@ -866,13 +869,18 @@ bool and_or_applies(const TransitionSystem& system) {
 
 Result and_or(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
   const Stopwatch watch;
+  if (auto result = detail::settled(system, "and-or")) return *result;
+  if (system.num_connections() == 0) {
+    Result empty = greedy(system, budget);
+    empty.method = "and-or";
+    return empty;
+  }
   if (!and_or_applies(system)) {
     throw InputError(
         "and-or takes problems in disassembly, of at most " + std::to_string(kAndOrMostParts) +
         " parts, whose objective sees nothing but the piece that is cut; use value-iteration, "
         "a-star or beam instead");
   }
-  if (auto result = detail::settled(system, "and-or")) return *result;
   const std::size_t words = (system.problem().num_parts() + 63) / 64;
   Result result = words <= 1   ? planned<1>(system, options, budget)
                   : words <= 2 ? planned<2>(system, options, budget)
@@ -880,7 +888,12 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
                   : words <= 8 ? planned<8>(system, options, budget)
                                : planned<16>(system, options, budget);
   if (!result.has_plan() && result.status != Status::Infeasible) {
-    Result other = detail::stopped(system, "and-or", result.stop, result.statistics);
+    // The cut tree could not be carried out, or there was no time for one.
+    Result other = result.stop == Stop::None
+                       ? greedy(system, budget)
+                       : detail::stopped(system, "and-or", result.stop, result.statistics);
+    other.method = "and-or";
+    if (other.status == Status::Infeasible || !result.bound) return other;
     other.bound = result.bound;
     if (other.has_plan() && other.reward >= *other.bound - kRewardTolerance) {
       other.status = Status::Optimal;
