@@ -46,4 +46,5 @@
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/explain.h"
 #include "orasp/planners/graph_size.h"
+#include "orasp/planners/plan_order.h"
 #include "orasp/planners/state_graph.h"

@@ -329,7 +329,7 @@ class Solve(Case):
     def test_the_json_has_the_keys_of_the_contract(self):
         plan = json.loads(orasp("solve", "hubble", "--json").out)
         self.assertLessEqual({"format", "problem", "problem_digest", "method", "status", "reward", "bound", "gap",
-                              "disassembly", "assembly", "steps", "statistics", "seed", "options"}, set(plan))
+                              "disassembly", "assembly", "steps", "order", "statistics", "seed", "options"}, set(plan))
         self.assertEqual(plan["format"], "orasp-plan/1")
         self.assertEqual(plan["status"], "optimal")
         self.assertAlmostEqual(plan["reward"], -0.9902, places=9)
@@ -700,6 +700,30 @@ class Explain(Case):
         path = self.folder / "why.json"
         self.check(orasp("explain", "4brick", "--max-moved-parts", "0", "-o", str(path)), 10, out="no plan exists")
         self.assertEqual(json.loads(path.read_text())["status"], "infeasible")
+
+
+class Order(Case):
+    def test_every_order_that_keeps_the_pairs_of_a_plan_is_valid(self):
+        for problem, words in [("lattice", []), ("hubble-upc", []), ("lattice", ["--direction", "assembly"]),
+                               ("grid:3x4", ["--max-moved-parts", "2", "--max-subassemblies", "2"])]:
+            with self.subTest(problem=problem, words=words):
+                plan = json.loads(orasp("solve", problem, *words, "--json").out)
+                ids = [step["connection"] for step in plan["steps"]]
+                waits = {step: {early for early, late in plan["order"] if late == step}
+                         for step in range(1, len(ids) + 1)}
+                order = []
+                while waits:  # the last step that may come now: as far from the plan's own order as can be
+                    order.append(max(step for step, before in waits.items() if before <= set(order)))
+                    del waits[order[-1]]
+                self.assertNotEqual(order, sorted(order))
+                mine = self.file("order.json", json.dumps([ids[step - 1] for step in order]))
+                self.check(orasp("evaluate", problem, mine, *words), 0, out="the plan is valid")
+
+    def test_a_plan_with_its_order_is_read_again_and_an_empty_one_has_none(self):
+        plan = orasp("solve", "lattice", "--json").out
+        self.check(orasp("evaluate", "lattice", "-", stdin=plan), 0, out="the plan is valid")
+        self.assertEqual(json.loads(orasp("solve", "-", "--json", stdin=assembly([])).out)["order"], [])
+        self.assertEqual(json.loads(orasp("solve", "4brick", "--max-moved-parts", "0", "--json").out)["order"], [])
 
 
 class Graph(Case):

@@ -16,6 +16,7 @@
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/plan_order.h"
 
 namespace orasp {
 namespace {
@@ -71,6 +72,19 @@ std::string steps_text(const std::vector<Step>& steps, const std::vector<std::st
     text += "}";
   }
   return text + "\n  ]";
+}
+
+/// Pairs of step numbers, from 1.
+std::string order_text(const std::vector<OrderedPair>& pairs) {
+  std::string text = "[";
+  for (const auto& [early, late] : pairs) {
+    text += text.size() > 1 ? ", [" : "[";
+    text.append(std::to_string(early + 1))
+        .append(", ")
+        .append(std::to_string(late + 1))
+        .append("]");
+  }
+  return text + "]";
 }
 
 std::string statistics_text(const Statistics& statistics) {
@@ -213,6 +227,8 @@ std::string plan_text(const Problem& problem, const Result& result,
   put("disassembly", is_assembly ? backward : forward);
   put("assembly", is_assembly ? forward : backward);
   put("steps", steps_text(evaluation.steps, part_ids, connection_ids));
+  put("order",
+      order_text(result.has_plan() ? plan_order(problem, sequence) : std::vector<OrderedPair>()));
   put("statistics", statistics_text(result.statistics));
   put("seed", std::to_string(result.seed));
   put("options", options_text(options));

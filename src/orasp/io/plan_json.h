@@ -12,7 +12,7 @@ namespace orasp {
 
 /// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the sequence by
 /// evaluate() of the model, not taken from the planner. `options` are the caller's settings that shaped the result,
-/// name to value, already JSON texts. Ends with a newline.
+/// name to value, already JSON texts. `order` is what of the plan's order matters (planners/plan_order.h). Ends with a newline.
 [[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
                                     const std::map<std::string, std::string>& options);
 
