@@ -300,6 +300,12 @@ int solve_command(const Arguments& arguments) {
   line.real("--initial-value", "REWARD",
             "value-iteration: value of every state to begin with (default: 0).",
             options.initial_value, Sign::Any);
+  line.group("Other plans");
+  line.flag("--count", options.count,
+            "Count the optimal sequences; builds H whatever the method (default: do not).");
+  line.whole("--alternatives", "K",
+             "List the K best plans; builds H whatever the method (default: the one plan).",
+             options.alternatives, 1, 1'000'000);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
   add_output_options(line, options.json, options.output, quiet, "the plan (format orasp-plan/1)");
@@ -308,6 +314,7 @@ int solve_command(const Arguments& arguments) {
               "  orasp solve hubble\n"
               "  orasp solve product.json --method orasp-search --time-limit 60 -o plan.json\n"
               "  orasp solve jwst --objective time --direction assembly --time-limit 10\n"
+              "  orasp solve lattice --count --alternatives 3\n"
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"

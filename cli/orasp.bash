@@ -54,13 +54,16 @@ _orasp() {
       return
       ;;
     --seed | --epsilon | --max-sweeps | --initial-value | --max-subassemblies | --max-moved-parts | \
-      --max-moved-mass | --time-limit | --memory-limit | --threads | -n | --count | --connection | --step)
+      --max-moved-mass | --time-limit | --memory-limit | --threads | -n | --alternatives | --connection | --step)
       return
+      ;;
+    --count)
+      [[ $command == sample ]] && return
       ;;
   esac
 
   case $command in
-    solve) options="--method --seed --sweep-order --epsilon --max-sweeps --initial-value $changes $limits $output" ;;
+    solve) options="--method --seed --sweep-order --epsilon --max-sweeps --initial-value --count --alternatives $changes $limits $output" ;;
     graph) options="--dot --svg $changes $limits $output" ;;
     evaluate) options="$changes $output" ;;
     explain) options="--connection --plan --step $changes $limits $output" ;;

@@ -42,6 +42,7 @@
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/alternatives.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/explain.h"
