@@ -121,6 +121,36 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
   return spec;
 }
 
+/// Whether precedence atoms alone can be met: connections go as soon as nothing holds them. O(connections + ids).
+bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) {
+  const std::size_t connections = problem.num_connections();
+  std::vector<std::size_t> waits(connections, 0);              // atoms that still hold a connection
+  std::vector<std::vector<std::size_t>> waiting(connections);  // atoms that look at a connection
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    const PrecedenceClause& clause = problem.precedence()[atoms[i].entry];
+    ++waits[clause.connection];
+    if (atoms[i].kind == Kind::After) {
+      waiting[atoms[i].member].push_back(i);
+    } else {
+      for (const ConnectionIndex c : clause.after_any) waiting[c].push_back(i);
+    }
+  }
+  std::vector<bool> met(atoms.size(), false);
+  std::vector<std::size_t> gone;
+  for (std::size_t c = 0; c < connections; ++c) {
+    if (waits[c] == 0) gone.push_back(c);
+  }
+  for (std::size_t next = 0; next < gone.size(); ++next) {
+    for (const std::size_t i : waiting[gone[next]]) {
+      if (met[i]) continue;
+      met[i] = true;
+      const ConnectionIndex c = problem.precedence()[atoms[i].entry].connection;
+      if (--waits[c] == 0) gone.push_back(c);
+    }
+  }
+  return gone.size() == connections;
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 // Finding the conflict
 
@@ -135,6 +165,11 @@ class ConflictFinder {
     if (stop == Stop::None) {
       ++explanation_.tests;
       budget_.report({.phase = "test", .done = explanation_.tests});
+      std::vector<Atom> atoms;
+      for (const Unit& unit : units) atoms.insert(atoms.end(), unit.begin(), unit.end());
+      const auto is_of_precedence = [](const Atom& atom) { return is_precedence(atom.kind); };
+      if (std::ranges::all_of(atoms, is_of_precedence))  // nothing judges cuts: nothing to search
+        return !precedence_can_be_met(problem_, atoms);
       Budget share = budget_;
       share.progress = nullptr;
       share.max_expansions = kTestExpansions;
@@ -334,6 +369,8 @@ ProblemExplanation explain_problem(const Problem& problem, const Budget& budget)
   }
   for (const Unit& unit : units_of(atoms_in(entries), same_entry))
     explanation.conflict.push_back(described(problem, unit));
+  if (explanation.conflict.size() == 1)
+    explanation.minimal = true;  // without any constraint there is a plan
   return explanation;
 }
 
@@ -518,7 +555,13 @@ void search_depth_first(const Problem& problem, const TransitionSystem& system,
   const auto reached = steps_until_legal(expander, open, steps, connection);
   if (!reached) return;
   steps.resize(*reached);
+  // Leaving a step out is tried by replaying the others: as often as a second or so allows.
+  constexpr std::size_t kWork = 200'000'000;
+  const std::size_t work_of_step = problem.num_parts() + problem.num_connections();
+  std::size_t work = 0;
   for (std::size_t i = steps.size(); i-- > 0 && budget.expired() == Stop::None;) {
+    work += 2 * steps.size() * work_of_step;
+    if (work > kWork) break;
     std::vector<ConnectionIndex> fewer = steps;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
     const auto still = steps_until_legal(expander, open, fewer, connection);

@@ -84,7 +84,7 @@ struct ConnectionExplanation {
 /// Idea.       Violations by definition (Expander::violations), and for each what would have to change. Whether it
 ///             becomes legal later: breadth first over the states that other legal steps reach, which gives a shortest
 ///             sequence; where these are too many, the steps of some legal order up to the first state in which the
-///             connection may be handled, less those that can be left out.
+///             connection may be handled, less those that can be left out (tried last to first, for a second or so).
 /// Guarantee.  Never is a proof: all states that can be reached without the connection were looked at.
 /// Cost.       At most 20,000 states breadth first and 200,000 depth first, each O(parts + connections).
 [[nodiscard]] ConnectionExplanation explain_connection(const Problem& problem,
