@@ -64,8 +64,8 @@ std::string conflict_text(const ProblemExplanation& found) {
   if (size == 1) {
     text += "one constraint alone rules out every plan:\n";
   } else if (found.minimal) {
-    text += fmt::format("{} constraints conflict; without any one of them there would be a plan:\n",
-                        grouped(size));
+    text += fmt::format("{} constraints conflict; any {} of them alone would allow a plan:\n",
+                        grouped(size), grouped(size - 1));
   } else {
     text +=
         fmt::format("{} constraints conflict; it is not proved that all of them are needed ({}):\n",

@@ -606,7 +606,7 @@ class Explain(Case):
     def test_a_conflict_is_named_by_place_and_word(self):
         path = self.file("cycle.json", CYCLE)
         answer = orasp("explain", path)
-        self.check(answer, 10, out=r"test: no plan exists\n\n2 constraints conflict; without any one")
+        self.check(answer, 10, out=r"test: no plan exists\n\n2 constraints conflict; any 1 of them alone")
         self.assertRegex(answer.out, r'\n  precedence\[0\]  "1-2" may be removed only after "2-3"\n'
                                      r'  precedence\[1\]  "2-3" may be removed only after "1-2"\n')
         found = json.loads(orasp("explain", path, "--json").out)

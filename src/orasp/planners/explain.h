@@ -25,14 +25,14 @@ struct ProblemExplanation {
   Stop stop = Stop::None;           ///< what ended it early; the conflict may then not be smallest
   /// In the order precedence, limits, blocking, each by place. Together they allow no plan; empty unless infeasible.
   std::vector<ConflictItem> conflict;
-  bool minimal = true;      ///< proved: without any one of them there is a plan
+  bool minimal = true;      ///< proved: none of them can be left out of the conflict
   std::uint64_t tests = 0;  ///< smaller problems that were tried
   std::vector<ConnectionIndex>
       plan;  ///< some plan in the order of the problem's direction, if feasible
 };
 
-/// Finds a smallest set of constraints that conflict: together they allow no plan, and without any one of them (and of
-/// the other constraints of the problem) there is one.
+/// Finds a smallest set of constraints that conflict: together they allow no plan, and without any one of them the
+/// others alone (no other constraint of the problem) allow one. There may be further conflicts in the problem.
 ///
 /// Idea.       A test drops constraints and asks find_order() whether a plan exists. First whole groups are dropped one
 ///             by one (all blocking, all precedence, each limit), then the entries that are left are halved again and
@@ -43,7 +43,7 @@ struct ProblemExplanation {
 ///             in its share of the budget keeps what it would have dropped, and `minimal` is then false.
 /// Cost.       O(k log(n/k) + k) tests for k constraints found among n, each with a limit on states; Unknown only if
 ///             the first one, which may take the whole budget, is not decided.
-/// Repeatable. Ties go to what stands later in the file, which is dropped last.
+/// Repeatable. Of several conflicts, that of what stands earlier in the file: what stands later is dropped first.
 [[nodiscard]] ProblemExplanation explain_problem(const Problem& problem, const Budget& budget);
 
 /// One direction in which a piece cannot be taken off, and by what.
