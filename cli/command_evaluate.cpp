@@ -7,21 +7,11 @@
 #include "cli/json_output.h"
 #include "cli/step_table.h"
 #include "cli/text.h"
-#include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
 
 namespace orasp::cli {
 namespace {
-
-PlanFile read_plan(const std::string& file, Direction direction) {
-  const std::string text = read_text(file);
-  try {
-    return parse_plan(text, direction);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file == "-" ? "standard input" : file, error.what()));
-  }
-}
 
 nlohmann::ordered_json as_json(const Evaluation& evaluation) {
   nlohmann::ordered_json violations = nlohmann::ordered_json::array();

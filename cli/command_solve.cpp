@@ -7,12 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "cli/exit_codes.h"
 #include "cli/progress.h"
 #include "cli/step_table.h"
 #include "cli/text.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/alternatives.h"
+#include "orasp/planners/state_graph.h"
 
 namespace orasp::cli {
 namespace {
@@ -56,6 +59,8 @@ Settings settings_of(const SolveOptions& options) {
   if (options.epsilon) settings["epsilon"] = fmt::to_string(*options.epsilon);
   if (options.max_sweeps) settings["max-sweeps"] = fmt::to_string(*options.max_sweeps);
   if (options.initial_value) settings["initial-value"] = fmt::to_string(*options.initial_value);
+  if (options.count) settings["count"] = "true";
+  if (options.alternatives > 0) settings["alternatives"] = fmt::to_string(options.alternatives);
   return settings;
 }
 
@@ -120,8 +125,46 @@ std::string opposite_order(const Problem& problem, const Result& result, std::si
                      wrapped_list(ids, 2, width));
 }
 
-std::string summary(const Problem& problem, const Result& result, const SolveOptions& options,
-                    const Context& context) {
+bool wants_other_plans(const SolveOptions& options) {
+  return options.count || options.alternatives > 0;
+}
+
+/// Before the method runs: where H does not fit, nothing is done.
+void require_graph_for_other_plans(const TransitionSystem& system, const SolveOptions& options,
+                                   const Budget& budget) {
+  const std::string asked_by = options.count ? "--count" : "--alternatives";
+  try {
+    require_graph_fits(system, budget, asked_by);
+  } catch (const InputError& error) {
+    const std::string reason = error.what();  // it goes on with methods that need no H
+    throw InputError(reason.substr(0, reason.rfind("; use ")));
+  }
+}
+
+std::string alternatives_text(const Problem& problem, const Alternatives& alternatives,
+                              const SolveOptions& options, const Context& context) {
+  std::string text;
+  if (alternatives.optimal_sequences)
+    text += '\n' + counted(*alternatives.optimal_sequences, "optimal sequence") + '\n';
+  if (!alternatives.plans || alternatives.plans->empty()) return text;
+  const std::vector<Alternative>& plans = *alternatives.plans;
+  std::vector<double> rewards;
+  for (const Alternative& plan : plans) rewards.push_back(plan.reward);
+  const std::vector<std::string> reward_texts = aligned_numbers(rewards);
+  const bool all = plans.size() < options.alternatives && alternatives.stop == Stop::None;
+  text += all ? fmt::format("\nall {}\n", counted(plans.size(), "plan"))
+              : fmt::format("\nthe {}\n", counted(plans.size(), "best plan"));
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    std::vector<std::string> ids;
+    for (const ConnectionIndex c : plans[i].sequence) ids.push_back(problem.connection_id(c));
+    text += fmt::format("{:>4}  reward {}\n", i + 1, reward_texts[i]);
+    text += wrapped_list(ids, 6, context.width());
+  }
+  return text;
+}
+
+std::string summary(const Problem& problem, const Result& result, const Alternatives& alternatives,
+                    const SolveOptions& options, const Context& context) {
   std::string text;
   const auto line = [&text](std::string_view name, const std::string& value) {
     text += fmt::format("{:<8} {}\n", name, value);
@@ -149,6 +192,7 @@ std::string summary(const Problem& problem, const Result& result, const SolveOpt
       text += opposite_order(problem, result, context.width());
     }
   }
+  text += alternatives_text(problem, alternatives, options, context);
   if (!result.notes.empty()) text += '\n';
   for (const std::string& note : result.notes) text += printable(note) + '\n';
   return text;
@@ -163,14 +207,25 @@ int run(const SolveOptions& options, const Context& context) {
   const Problem problem = load_problem(options.problem, options.changes, context);
 
   Result result;
+  Alternatives alternatives;
   {
     ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
     Budget budget = make_budget(options.limits);
     progress.attach_to(budget);
+    const TransitionSystem system(problem);
+    if (wants_other_plans(options)) require_graph_for_other_plans(system, options, budget);
     result = solve(problem, planner.name, chosen, budget);
+    if (wants_other_plans(options))
+      alternatives = find_alternatives(system, options.count, options.alternatives, budget);
+  }
+  if (alternatives.stop != Stop::None) {
+    result.notes.push_back(fmt::format(
+        "{} was {}",
+        alternatives.plans ? "the list of the best plans" : "building H for other plans",
+        stop_text(alternatives.stop)));
   }
   const std::string plan = options.json || !options.output.empty()
-                               ? plan_text(problem, result, settings_of(options))
+                               ? plan_text(problem, result, settings_of(options), &alternatives)
                                : std::string();
   if (!options.output.empty()) {
     // What stands in the file may be the plan of yesterday: a run without a plan leaves it alone.
@@ -180,8 +235,9 @@ int run(const SolveOptions& options, const Context& context) {
       context.warn("there is no plan, so " + options.output + " is not written");
     }
   }
-  context.print(options.json ? plan : summary(problem, result, options, context));
-  return exit_code(result);
+  context.print(options.json ? plan : summary(problem, result, alternatives, options, context));
+  const int code = exit_code(result);
+  return code == kSolved && alternatives.stop != Stop::None ? kStopped : code;
 }
 
 }  // namespace orasp::cli

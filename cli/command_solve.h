@@ -16,6 +16,8 @@ struct SolveOptions {
   bool json = false;
   ProblemChanges changes;
   LimitOptions limits;
+  bool count = false;              ///< of the optimal sequences
+  std::uint64_t alternatives = 0;  ///< how many of the best plans to list
   // of value-iteration alone
   std::optional<std::string> sweep_order;
   std::optional<double> epsilon;

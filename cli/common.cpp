@@ -127,6 +127,15 @@ Problem load_problem(const std::string& name, const ProblemChanges& changes,
   return problem;
 }
 
+PlanFile read_plan(const std::string& file, Direction direction) {
+  const std::string text = read_text(file);
+  try {
+    return parse_plan(text, direction);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file == "-" ? "standard input" : file, error.what()));
+  }
+}
+
 std::string title(const Problem& problem, const std::string& typed) {
   if (!problem.name().empty()) return printable(problem.name());
   return typed == "-" ? "standard input" : printable(typed);

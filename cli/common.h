@@ -9,6 +9,7 @@
 
 #include "cli/context.h"
 #include "orasp/catalogue.h"
+#include "orasp/io/plan_json.h"
 #include "orasp/model/problem.h"
 
 namespace orasp::cli {
@@ -37,6 +38,9 @@ struct LimitOptions {
 /// @throws InputError.
 [[nodiscard]] Problem load_problem(const std::string& name, const ProblemChanges& changes,
                                    const Context& context);
+
+/// Reads PLAN ("-" is standard input) for a problem of this direction. @throws InputError.
+[[nodiscard]] PlanFile read_plan(const std::string& file, Direction direction);
 
 /// What to call a problem in a sentence: its name, else what the user typed.
 [[nodiscard]] std::string title(const Problem& problem, const std::string& typed);

@@ -18,6 +18,7 @@
 #include "cli/command_compare.h"
 #include "cli/command_completion.h"
 #include "cli/command_evaluate.h"
+#include "cli/command_explain.h"
 #include "cli/command_graph.h"
 #include "cli/command_sample.h"
 #include "cli/command_scenarios.h"
@@ -299,6 +300,12 @@ int solve_command(const Arguments& arguments) {
   line.real("--initial-value", "REWARD",
             "value-iteration: value of every state to begin with (default: 0).",
             options.initial_value, Sign::Any);
+  line.group("Other plans");
+  line.flag("--count", options.count,
+            "Count the optimal sequences; builds H whatever the method (default: do not).");
+  line.whole("--alternatives", "K",
+             "List the K best plans; builds H whatever the method (default: the one plan).",
+             options.alternatives, 1, 1'000'000);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
   add_output_options(line, options.json, options.output, quiet, "the plan (format orasp-plan/1)");
@@ -307,6 +314,7 @@ int solve_command(const Arguments& arguments) {
               "  orasp solve hubble\n"
               "  orasp solve product.json --method orasp-search --time-limit 60 -o plan.json\n"
               "  orasp solve jwst --objective time --direction assembly --time-limit 10\n"
+              "  orasp solve lattice --count --alternatives 3\n"
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
@@ -361,6 +369,37 @@ int evaluate_command(const Arguments& arguments) {
       "  orasp evaluate product.json order.txt --max-moved-parts 3\n"
       "\n"
       "Exit codes: 0 valid, 10 not valid, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+}
+
+int explain_command(const Arguments& arguments) {
+  ExplainOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "explain",
+      "Says why there is no plan: a smallest set of constraints that conflict; or why a\n"
+      "connection cannot be handled first, and what would have to change.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("One connection");
+  line.text("--connection", "ID", "Explain this connection (default: the whole problem).",
+            options.connection);
+  line.text("--plan", "FILE",
+            "Explain it in the middle of this plan; - for standard input (default: at the start).",
+            options.plan);
+  line.whole("--step", "K", "Explain it in the place of step K of the plan (default: 1).",
+             options.step, 1);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet, "the explanation");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp explain product.json\n"
+      "  orasp explain 4brick --max-moved-parts 0\n"
+      "  orasp explain lattice --connection 4-5\n"
+      "  orasp explain lattice --connection 4-5 --plan plan.json --step 3\n"
+      "\n"
+      "Exit codes: 0 a plan exists, or the connection may be handled; 10 no plan exists, or\n"
+      "it may not; 20 not decided within the limits; 30 wrong input.");
   return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
@@ -451,10 +490,11 @@ struct Command {
   int (*run)(const Arguments& arguments);
 };
 
-constexpr std::array<Command, 7> kCommands = {{
+constexpr std::array<Command, 8> kCommands = {{
     {"solve", "find a plan", solve_command},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
+    {"explain", "why there is no plan, or why a connection cannot go first", explain_command},
     {"compare", "several methods on several problems, one table", compare_command},
     {"sample", "rewards of random sequences", sample_command},
     {"scenarios", "list the built-in problems, or print one", scenarios_command},

@@ -3,7 +3,7 @@
 
 _orasp() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}
-  local commands="solve graph evaluate compare sample scenarios completion"
+  local commands="solve graph evaluate explain compare sample scenarios completion"
   local methods="auto value-iteration dijkstra bellman-ford orasp-search exhaustive greedy random"
   local objectives="piece_cost cubesat cubesat_zone custom indexed time travel fuel completion expression sum"
   local changes="--objective --direction --max-subassemblies --max-moved-parts --max-moved-mass"
@@ -48,21 +48,25 @@ _orasp() {
       mapfile -t COMPREPLY < <(compgen -W "layers textbook" -- "$current")
       return
       ;;
-    -o | --output | --dot | --svg)
+    -o | --output | --dot | --svg | --plan)
       mapfile -t COMPREPLY < <(compgen -f -- "$current")
       compopt -o filenames
       return
       ;;
     --seed | --epsilon | --max-sweeps | --initial-value | --max-subassemblies | --max-moved-parts | \
-      --max-moved-mass | --time-limit | --memory-limit | --threads | -n | --count)
+      --max-moved-mass | --time-limit | --memory-limit | --threads | -n | --alternatives | --connection | --step)
       return
+      ;;
+    --count)
+      [[ $command == sample ]] && return
       ;;
   esac
 
   case $command in
-    solve) options="--method --seed --sweep-order --epsilon --max-sweeps --initial-value $changes $limits $output" ;;
+    solve) options="--method --seed --sweep-order --epsilon --max-sweeps --initial-value --count --alternatives $changes $limits $output" ;;
     graph) options="--dot --svg $changes $limits $output" ;;
     evaluate) options="$changes $output" ;;
+    explain) options="--connection --plan --step $changes $limits $output" ;;
     compare) options="--methods --seed --csv --markdown $changes $limits $output" ;;
     sample) options="--count --seed --sequences $changes $limits $output" ;;
     scenarios) options=$output ;;

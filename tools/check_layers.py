@@ -30,7 +30,7 @@ THIRD_PARTY = {
     "fmt": rf"{IO_INSIDE}|src/orasp/catalogue\.cpp|(cli|tests|benchmarks)/.*",
     "muParser.h": r"src/orasp/io/.*\.cpp",
     "sha256.h": r"src/orasp/io/.*\.cpp|tests/.*",
-    "boost": r"src/orasp/planners/graph_size\.cpp|tests/.*",
+    "boost": r"src/orasp/planners/(graph_size|alternatives)\.cpp|tests/.*",
     "torch": r"src/orasp/learning/.*\.cpp",
     "CLI": r"cli/main\.cpp",
     "gtest": r"tests/.*",

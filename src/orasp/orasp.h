@@ -23,6 +23,9 @@
 ///     expander.legal_actions(state.view());
 ///     expander.violations(state.view(), 3);            // every reason, in words and as data
 ///
+///     // Why there is no plan: a smallest set of constraints that conflict.
+///     orasp::explain_problem(problem, {}).conflict;
+///
 ///     // Your own objective: any function of the step.
 ///     orasp::Callable mine;
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
@@ -39,7 +42,10 @@
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/alternatives.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/bounds.h"
+#include "orasp/planners/explain.h"
 #include "orasp/planners/graph_size.h"
+#include "orasp/planners/plan_order.h"
 #include "orasp/planners/state_graph.h"

@@ -133,6 +133,12 @@ class Usage(Case):
             ("solve hubble --epsilon 1 --method greedy", r"--epsilon belongs to the method value-iteration"),
             ("solve hubble --sweep-order up --method value-iteration", r'"up" is neither layers nor textbook'),
             ("evaluate - -", r"PROBLEM and PLAN cannot both be read from standard input"),
+            ("solve hubble --alternatives 0", r'--alternatives: "0" is not a whole number from 1 to 1000000'),
+            ("explain hubble --connection 99-1", r'--connection: no connection "99-1"'),
+            ("explain hubble --plan p.json", r"--plan needs --connection"),
+            ("explain hubble --connection 1-2 --step 2", r"--step needs --plan"),
+            ("explain - --connection 1-2 --plan -", r"PROBLEM and --plan cannot both be read from standard input"),
+            ("explain hubble --connection 1-2 --plan none.json --step 0", r'--step: "0" is not a whole number from 1'),
             ("compare - -", r"only one PROBLEM can be read from standard input"),
             ("compare hubble --csv --json", r"only one of --json, --csv and --markdown"),
             ("graph hubble --json --dot -", r"only one of --json, --dot - and --svg -"),
@@ -324,7 +330,7 @@ class Solve(Case):
     def test_the_json_has_the_keys_of_the_contract(self):
         plan = json.loads(orasp("solve", "hubble", "--json").out)
         self.assertLessEqual({"format", "problem", "problem_digest", "method", "status", "reward", "bound", "gap",
-                              "disassembly", "assembly", "steps", "statistics", "seed", "options"}, set(plan))
+                              "disassembly", "assembly", "steps", "order", "statistics", "seed", "options"}, set(plan))
         self.assertEqual(plan["format"], "orasp-plan/1")
         self.assertEqual(plan["status"], "optimal")
         self.assertAlmostEqual(plan["reward"], -0.9902, places=9)
@@ -594,6 +600,181 @@ class Evaluate(Case):
         answer = orasp("evaluate", "hubble", "-", "--direction", "assembly", "--objective", "indexed", "--json", stdin=plan)
         self.check(answer, 0)
         self.assertAlmostEqual(json.loads(answer.out)["reward"], json.loads(plan)["reward"])
+
+
+class Explain(Case):
+    def test_a_conflict_is_named_by_place_and_word(self):
+        path = self.file("cycle.json", CYCLE)
+        answer = orasp("explain", path)
+        self.check(answer, 10, out=r"test: no plan exists\n\n2 constraints conflict; any 1 of them alone")
+        self.assertRegex(answer.out, r'\n  precedence\[0\]  "1-2" may be removed only after "2-3"\n'
+                                     r'  precedence\[1\]  "2-3" may be removed only after "1-2"\n')
+        found = json.loads(orasp("explain", path, "--json").out)
+        self.assertEqual(found["status"], "infeasible")
+        self.assertTrue(found["minimal"])
+        self.assertEqual([(item["constraint"], item["where"]) for item in found["conflict"]],
+                         [("precedence", "precedence[0]"), ("precedence", "precedence[1]")])
+        self.assertEqual(set(found["conflict"][0]), {"constraint", "where", "message"})
+
+    def test_a_limit_from_the_command_line_is_a_constraint_too(self):
+        found = json.loads(orasp("explain", "4brick", "--max-moved-parts", "0", "--json").out)
+        self.assertEqual([item["where"] for item in found["conflict"]], ["limits.max_moved_parts"])
+        self.check(orasp("explain", "4brick", "--max-moved-parts", "0"), 10, out="one constraint alone")
+        self.check(orasp("explain", "4brick", "--max-moved-parts", "0", "--direction", "assembly"), 10,
+                   out=r"limits\.max_moved_parts")
+
+    def test_too_many_subassemblies_to_begin_with(self):
+        path = self.file("two.json", assembly(["1-2", "3-4"], limits={"max_subassemblies": 1}))
+        self.check(orasp("explain", path), 10, out=r"limits\.max_subassemblies  the whole product is 2 subassemblies")
+
+    def test_a_problem_with_a_plan_is_zero_and_says_what_cannot_go_first(self):
+        answer = orasp("explain", "lattice")
+        self.check(answer, 0, out=r"a plan exists\n\n8 connections may go first, 4 may not:\n", error=r"\A\Z")
+        found = json.loads(orasp("explain", "lattice", "--json").out)
+        self.assertEqual((found["status"], found["conflict"]), ("feasible", []))
+        self.check(orasp("explain", "3piece"), 0, out="every connection may go first")
+        self.check(orasp("explain", "-", stdin=assembly([])), 0, out="the plan is empty")
+
+    def test_a_connection_that_cannot_go_first(self):
+        answer = orasp("explain", "lattice", "--connection", "4-5")
+        self.check(answer, 10, out=r'"4-5" cannot be removed first\n\n  precedence\[1\]: .*\n    remove first "7-8"\n')
+        self.assertRegex(answer.out, r"legal after 1 other step, and after no fewer:\n  7-8\n")
+        found = json.loads(orasp("explain", "lattice", "--connection", "4-5", "--json").out)
+        self.assertEqual(found["status"], "illegal")
+        self.assertEqual(found["changes"][0]["first"], ["7-8"])
+        self.assertEqual((found["legal_later"], found["legal_after"], found["fewest"]), (True, ["7-8"], True))
+
+    def test_the_least_limit_would_do(self):
+        words = ["explain", "chain:6", "--connection", "3-4", "--max-subassemblies", "1", "--max-moved-parts", "2"]
+        found = json.loads(orasp(*words, "--json").out)
+        self.assertEqual({change["where"]: change["least"] for change in found["changes"]},
+                         {"limits.max_subassemblies": 2, "limits.max_moved_parts": 3})
+        self.check(orasp("explain", "chain:6", "--connection", "3-4", "--max-subassemblies", "2",
+                         "--max-moved-parts", "3"), 0, out="a plan goes on from there")
+
+    def test_parts_in_the_way_are_named_for_each_direction(self):
+        path = self.file("slot.json", assembly(
+            ["1-2", "2-3"], blocking={"directions": ["+x", "-x"], "blocked": [
+                {"part": "2", "by": "1", "directions": ["+x", "-x"]}, {"part": "3", "by": "1", "directions": ["-x"]}]}))
+        found = json.loads(orasp("explain", path, "--connection", "1-2", "--json").out)
+        self.assertEqual(found["status"], "illegal")
+        self.assertFalse(found["legal_later"])
+        directions = {entry["direction"]: entry for entry in found["changes"][0]["directions"]}
+        self.assertEqual(set(directions), {"+x", "-x"})
+        for entry in directions.values():
+            self.assertIn("blocking.blocked[0]", entry["entries"])
+        self.check(orasp("explain", path), 10, out=r'blocking\.blocked\[0\]  "2" cannot leave "1" along \+x and -x')
+
+    def test_in_the_middle_of_a_plan(self):
+        plan = self.file("plan.json", orasp("solve", "lattice", "--json").out)
+        steps = json.loads(Path(plan).read_text())["disassembly"]
+        place = steps.index("4-5") + 1
+        self.check(orasp("explain", "lattice", "--connection", "4-5", "--plan", plan, "--step", str(place)), 0,
+                   out=rf'"4-5" may be removed at step {place}\na plan goes on', error=r"\A\Z")
+        answer = orasp("explain", "lattice", "--connection", steps[0], "--plan", plan, "--step", "3")
+        self.check(answer, 10, out="was removed before")
+        self.check_sentence(orasp("explain", "lattice", "--connection", "4-5", "--plan", plan, "--step", "40"))
+        twice = self.file("twice.json", '["1-2", "1-2", "1-4"]')
+        self.check_sentence(orasp("explain", "lattice", "--connection", "4-5", "--plan", twice, "--step", "3"))
+        wrong = self.file("wrong.json", '["4-5"]')
+        self.check(orasp("explain", "lattice", "--connection", "1-2", "--plan", wrong, "--step", "2"), 0,
+                   error="step 1 of the plan is not legal")
+
+    def test_a_dead_end_is_legal_and_said_to_be_one(self):
+        path = self.file("sandwich.json", assembly(
+            ["1-3", "1-2", "2-3"], precedence=[{"connection": "2-3", "after": ["1-2"]}],
+            blocking={"directions": ["+x", "-x"], "blocked": [{"part": "1", "by": "2", "directions": ["+x"]},
+                                                              {"part": "1", "by": "3", "directions": ["-x"]}]}))
+        self.check(orasp("explain", path, "--connection", "1-3"), 0, out="but no plan goes on from there: it is a dead end")
+        self.assertIs(json.loads(orasp("explain", path, "--connection", "1-3", "--json").out)["plan_exists"], False)
+
+    def test_what_is_not_decided_is_twenty(self):
+        loops = [{"id": f"loop{i}", "parts": ["1", "1"]} for i in range(40)]
+        problem = json.loads(assembly(["1-2"]))
+        problem["connections"] += loops
+        problem["blocking"] = {"directions": ["+x", "-x"],
+                               "blocked": [{"part": "1", "by": "2", "directions": ["+x", "-x"]}]}
+        answer = orasp("explain", "-", "--time-limit", "0.3", "--quiet", stdin=json.dumps(problem))
+        self.check(answer, 20, out="not decided whether a plan exists: stopped by the time limit", error=r"\A\Z")
+
+    def test_the_explanation_is_written_too(self):
+        path = self.folder / "why.json"
+        self.check(orasp("explain", "4brick", "--max-moved-parts", "0", "-o", str(path)), 10, out="no plan exists")
+        self.assertEqual(json.loads(path.read_text())["status"], "infeasible")
+
+
+class OtherPlans(Case):
+    def test_optimal_sequences_are_counted(self):
+        plan = json.loads(orasp("solve", "4brick", "--count", "--json").out)
+        self.assertEqual(plan["optimal_sequences"], 2)
+        self.assertNotIn("alternatives", plan)
+        self.assertIs(plan["options"]["count"], True)
+        self.check(orasp("solve", "4brick", "--count", "--method", "greedy"), 0, out=r"\n2 optimal sequences\n")
+        flat = self.file("flat.json", json.dumps({"type": "completion", "join": 0}))
+        plan = json.loads(orasp("solve", "hubble-free", "--count", "--objective", flat, "--json").out)
+        self.assertEqual(plan["optimal_sequences"], "121645100408832000")  # 19!, past 2^53
+        self.assertNotIn("optimal_sequences", json.loads(orasp("solve", "4brick", "--json").out))
+
+    def test_the_best_plans_are_listed(self):
+        plan = json.loads(orasp("solve", "4brick", "--alternatives", "4", "--json").out)
+        self.assertEqual([round(other["reward"], 9) for other in plan["alternatives"]], [0.557, 0.557, 0.545, 0.545])
+        self.assertEqual(len({tuple(other["disassembly"]) for other in plan["alternatives"]}), 4)
+        for other in plan["alternatives"]:
+            self.assertEqual(other["assembly"], other["disassembly"][::-1])
+            answer = orasp("evaluate", "4brick", "-", "--json", stdin=json.dumps(other["disassembly"]))
+            self.assertAlmostEqual(json.loads(answer.out)["reward"], other["reward"], places=9)
+        self.check(orasp("solve", "4brick", "--alternatives", "2"), 0, out=r"the 2 best plans\n   1  reward 0\.557\n      2-3, ")
+        self.check(orasp("solve", "4brick", "--alternatives", "100"), 0, out=r"all 6 plans\n")
+        forward = json.loads(orasp("solve", "4brick", "--alternatives", "1", "--direction", "assembly", "--json").out)
+        self.assertEqual(forward["alternatives"][0]["disassembly"], forward["alternatives"][0]["assembly"][::-1])
+        self.check(orasp("evaluate", "4brick", "-", "--direction", "assembly",
+                         stdin=json.dumps(forward["alternatives"][0]["assembly"])), 0, out="is valid")
+
+    def test_where_there_is_no_plan_there_is_none(self):
+        plan = orasp("solve", "4brick", "--max-moved-parts", "0", "--count", "--alternatives", "3", "--json")
+        self.assertEqual(plan.code, 10)
+        self.assertEqual((json.loads(plan.out)["optimal_sequences"], json.loads(plan.out)["alternatives"]), (0, []))
+        cycle = orasp("solve", "-", "--count", "--alternatives", "3", "--json", stdin=CYCLE)
+        self.assertEqual(cycle.code, 10)
+        self.assertEqual((json.loads(cycle.out)["optimal_sequences"], json.loads(cycle.out)["alternatives"]), (0, []))
+
+    def test_a_graph_too_large_is_refused_at_once(self):
+        for words in (["--count"], ["--alternatives", "2"]):
+            answer = orasp("solve", "jwst", *words, "--quiet")
+            self.check_sentence(answer)
+            self.assertRegex(answer.error, rf"{words[0]} needs the whole state-action graph: .* are allowed\n")
+
+    def test_a_limit_leaves_the_plan_and_says_what_is_missing(self):
+        answer = orasp("solve", "random:12:22:1", "--method", "greedy", "--count", "--time-limit", "0.2", "--json")
+        plan = json.loads(answer.out)
+        self.assertEqual(answer.code, 20)
+        self.assertNotIn("optimal_sequences", plan)
+        self.assertEqual(len(plan["disassembly"]), 22)
+        self.assertIn("building H for other plans was stopped by the time limit", plan["notes"])
+
+
+class Order(Case):
+    def test_every_order_that_keeps_the_pairs_of_a_plan_is_valid(self):
+        for problem, words in [("lattice", []), ("hubble-upc", []), ("lattice", ["--direction", "assembly"]),
+                               ("grid:3x4", ["--max-moved-parts", "2", "--max-subassemblies", "2"])]:
+            with self.subTest(problem=problem, words=words):
+                plan = json.loads(orasp("solve", problem, *words, "--json").out)
+                ids = [step["connection"] for step in plan["steps"]]
+                waits = {step: {early for early, late in plan["order"] if late == step}
+                         for step in range(1, len(ids) + 1)}
+                order = []
+                while waits:  # the last step that may come now: as far from the plan's own order as can be
+                    order.append(max(step for step, before in waits.items() if before <= set(order)))
+                    del waits[order[-1]]
+                self.assertNotEqual(order, sorted(order))
+                mine = self.file("order.json", json.dumps([ids[step - 1] for step in order]))
+                self.check(orasp("evaluate", problem, mine, *words), 0, out="the plan is valid")
+
+    def test_a_plan_with_its_order_is_read_again_and_an_empty_one_has_none(self):
+        plan = orasp("solve", "lattice", "--json").out
+        self.check(orasp("evaluate", "lattice", "-", stdin=plan), 0, out="the plan is valid")
+        self.assertEqual(json.loads(orasp("solve", "-", "--json", stdin=assembly([])).out)["order"], [])
+        self.assertEqual(json.loads(orasp("solve", "4brick", "--max-moved-parts", "0", "--json").out)["order"], [])
 
 
 class Graph(Case):

@@ -54,6 +54,7 @@ TEST(PlanText, HasTheKeysOfTheContractInTheirOrder) {
     {"step": 2, "connection": "1-2", "reward": -0.1934, "total": -0.44299999999999995, "separates": true, "pieces": [["1"], ["2"]], "moved": ["2"]},
     {"step": 3, "connection": "3-4", "reward": 1.0, "total": 0.557, "separates": true, "pieces": [["3"], ["4"]], "moved": ["4"]}
   ],
+  "order": [],
   "statistics": {"states": 8, "actions": 12, "expanded": 0, "generated": 0, "reopened": 0, "pruned": 0, "sweeps": 0, "seconds": 0.0, "peak_bytes": 0},
   "seed": 1,
   "options": {"epsilon": 1e-9, "order": "layers"}

@@ -16,6 +16,7 @@
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/plan_order.h"
 
 namespace orasp {
 namespace {
@@ -69,6 +70,43 @@ std::string steps_text(const std::vector<Step>& steps, const std::vector<std::st
       text += R"([], "moved": [])";
     }
     text += "}";
+  }
+  return text + "\n  ]";
+}
+
+/// Pairs of step numbers, from 1.
+std::string order_text(const std::vector<OrderedPair>& pairs) {
+  std::string text = "[";
+  for (const auto& [early, late] : pairs) {
+    text += text.size() > 1 ? ", [" : "[";
+    text.append(std::to_string(early + 1))
+        .append(", ")
+        .append(std::to_string(late + 1))
+        .append("]");
+  }
+  return text + "]";
+}
+
+/// Decimal digits as a number, or past 2^53, which not every reader of JSON holds exactly, as a string.
+std::string exact_integer(const std::string& digits) {
+  constexpr std::string_view kLargest = "9007199254740992";
+  const bool fits =
+      digits.size() < kLargest.size() || (digits.size() == kLargest.size() && digits <= kLargest);
+  return fits ? digits : inline_text(digits);
+}
+
+std::string alternatives_text(const std::vector<Alternative>& plans, bool is_assembly,
+                              const std::vector<std::string>& connection_ids) {
+  if (plans.empty()) return "[]";
+  std::string text = "[";
+  for (const Alternative& plan : plans) {
+    const std::string forward = id_list(plan.sequence, connection_ids);
+    const std::string backward =
+        id_list(std::vector(plan.sequence.rbegin(), plan.sequence.rend()), connection_ids);
+    text += text.size() > 1 ? ",\n" : "\n";
+    text += fmt::format(R"(    {{"reward": {}, "disassembly": {}, "assembly": {}}})",
+                        inline_text(number_or_null(plan.reward)), is_assembly ? backward : forward,
+                        is_assembly ? forward : backward);
   }
   return text + "\n  ]";
 }
@@ -176,7 +214,8 @@ std::vector<std::string> read_lines(std::string_view text) {
 }  // namespace
 
 std::string plan_text(const Problem& problem, const Result& result,
-                      const std::map<std::string, std::string>& options) {
+                      const std::map<std::string, std::string>& options,
+                      const Alternatives* alternatives) {
   const std::vector<std::string> part_ids = quoted_ids(problem.parts());
   const std::vector<std::string> connection_ids = quoted_ids(problem.connections());
   Evaluation evaluation;
@@ -213,6 +252,14 @@ std::string plan_text(const Problem& problem, const Result& result,
   put("disassembly", is_assembly ? backward : forward);
   put("assembly", is_assembly ? forward : backward);
   put("steps", steps_text(evaluation.steps, part_ids, connection_ids));
+  put("order",
+      order_text(result.has_plan() ? plan_order(problem, sequence) : std::vector<OrderedPair>()));
+  if (alternatives != nullptr) {
+    if (alternatives->optimal_sequences)
+      put("optimal_sequences", exact_integer(*alternatives->optimal_sequences));
+    if (alternatives->plans)
+      put("alternatives", alternatives_text(*alternatives->plans, is_assembly, connection_ids));
+  }
   put("statistics", statistics_text(result.statistics));
   put("seed", std::to_string(result.seed));
   put("options", options_text(options));

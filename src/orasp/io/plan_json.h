@@ -6,15 +6,18 @@
 #include <vector>
 
 #include "orasp/model/problem.h"
+#include "orasp/planners/alternatives.h"
 #include "orasp/planners/result.h"
 
 namespace orasp {
 
 /// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the sequence by
 /// evaluate() of the model, not taken from the planner. `options` are the caller's settings that shaped the result,
-/// name to value, already JSON texts. Ends with a newline.
+/// name to value, already JSON texts. `order` is what of the plan's order matters (planners/plan_order.h). `alternatives`: what else is known of the best
+/// plans, if asked for. Ends with a newline.
 [[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
-                                    const std::map<std::string, std::string>& options);
+                                    const std::map<std::string, std::string>& options,
+                                    const Alternatives* alternatives = nullptr);
 
 /// A plan as read: the ids in the order of the problem's direction.
 struct PlanFile {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "orasp/planners/detail/planner_support.h"
@@ -11,23 +12,23 @@
 
 namespace orasp::detail {
 
-/// Finds some plan, depth first, backtracking at dead ends: the frame of `greedy` and `random`.
-/// `arrange(open, std::span<Action>)` puts the legal actions of a state into the order in which they are tried and
-/// returns how many of them to try. States from which everything failed are kept in a table, so none is tried twice;
-/// so it is complete over the actions that `arrange` keeps.
+/// Finds some legal sequence from the state `from` (open connections) to the state `to`, a subset of it, depth first,
+/// backtracking at dead ends. `arrange(open, std::span<Action>)` puts the legal actions of a state into the order in
+/// which they are tried and returns how many of them to try; it leaves out those of `to`. States from which everything
+/// failed are kept in a table, so none is tried twice; so it is complete over the actions that `arrange` keeps.
 template <class Arrange>
-[[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
-                                      std::string_view method, Arrange&& arrange) {
+[[nodiscard]] Result depth_first_search(const TransitionSystem& system, const ConnectionSet& from,
+                                        const ConnectionSet& to, const Budget& budget,
+                                        std::string_view method, Arrange&& arrange) {
   constexpr std::uint64_t kPollEvery = 64;
   const Stopwatch watch;
-  if (auto result = settled(system, method)) return *result;
   Result result;
   result.method = method;
   Statistics& statistics = result.statistics;
   Expander expander(system);
   StateTable<0> failed(system.words());
-  ConnectionSet state = system.start();
-  const std::size_t goal_depth = system.num_connections();
+  ConnectionSet state = from;
+  const std::size_t goal_depth = from.size() - to.size();
 
   std::vector<Action> actions;
   std::vector<std::size_t>
@@ -87,6 +88,15 @@ template <class Arrange>
   }
   result.statistics.seconds = watch.seconds();
   return result;
+}
+
+/// Finds some plan: the frame of `greedy` and `random`. `arrange` as above, for all connections.
+template <class Arrange>
+[[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
+                                      std::string_view method, Arrange&& arrange) {
+  if (auto result = settled(system, method)) return *result;
+  return depth_first_search(system, system.start(), ConnectionSet(system.num_connections()), budget,
+                            method, std::forward<Arrange>(arrange));
 }
 
 }  // namespace orasp::detail
