@@ -21,6 +21,12 @@ namespace orasp::cli {
 namespace {
 
 void refuse_foreign_options(const SolveOptions& options) {
+  const auto searches = {"orasp-search", "a-star", "beam"};
+  if (options.bound && std::ranges::find(searches, options.method) == searches.end()) {
+    throw InputError(
+        fmt::format("--bound belongs to the methods orasp-search, a-star and beam, not to {}",
+                    options.method));
+  }
   if (options.method == "value-iteration") return;
   const char* const foreign = options.sweep_order     ? "--sweep-order"
                               : options.epsilon       ? "--epsilon"
@@ -42,6 +48,7 @@ ValueIterationOptions::Order sweep_order_called(const std::string& name) {
 Options planner_options(const SolveOptions& options) {
   Options chosen;
   chosen.seed = options.seed;
+  if (options.bound) chosen.bound = bound_called(*options.bound);
   ValueIterationOptions& sweeps = chosen.value_iteration;
   if (options.sweep_order) sweeps.order = sweep_order_called(*options.sweep_order);
   sweeps.epsilon = options.epsilon.value_or(sweeps.epsilon);
@@ -55,6 +62,7 @@ Settings settings_of(const SolveOptions& options) {
   settings["method"] = json_string(options.method);
   note_changes(options.changes, settings);
   note_limits(options.limits, settings);
+  if (options.bound) settings["bound"] = json_string(*options.bound);
   if (options.sweep_order) settings["sweep-order"] = json_string(*options.sweep_order);
   if (options.epsilon) settings["epsilon"] = fmt::to_string(*options.epsilon);
   if (options.max_sweeps) settings["max-sweeps"] = fmt::to_string(*options.max_sweeps);

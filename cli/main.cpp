@@ -27,6 +27,7 @@
 #include "cli/signals.h"
 #include "cli/text.h"
 #include "cli/values.h"
+#include "orasp/planners/bounds.h"
 
 namespace orasp::cli {
 namespace {
@@ -289,6 +290,11 @@ int solve_command(const Arguments& arguments) {
   line.group("Method");
   line.text("--method", "METHOD", "One of those below (default: auto).", options.method);
   add_seed_option(line, options.seed, "the methods that draw random numbers");
+  line.text("--bound", "BOUND",
+            fmt::format("orasp-search, a-star, beam: the upper bound on what is left: {} (default: "
+                        "best; none is the paper's).",
+                        fmt::join(kBoundNames, ", ")),
+            options.bound);
   line.text("--sweep-order", "ORDER",
             "value-iteration: layers, or textbook as in the paper (default: layers).",
             options.sweep_order);

@@ -63,7 +63,7 @@ _orasp() {
   esac
 
   case $command in
-    solve) options="--method --seed --sweep-order --epsilon --max-sweeps --initial-value --count --alternatives $changes $limits $output" ;;
+    solve) options="--method --seed --bound --sweep-order --epsilon --max-sweeps --initial-value --count --alternatives $changes $limits $output" ;;
     graph) options="--dot --svg $changes $limits $output" ;;
     evaluate) options="$changes $output" ;;
     explain) options="--connection --plan --step $changes $limits $output" ;;
