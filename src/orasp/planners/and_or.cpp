@@ -229,17 +229,12 @@ class Search {
     bool side_waits;   ///< the rest is finished first
   };
 
-  [[nodiscard]] double upper(const Set& set, std::size_t parts) const {
+  [[nodiscard]] double upper(const Set& set, std::size_t parts) {
     double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
     if (gains_.parts_known()) {
-      double sum = 0;
-      double least = 0;
-      set.for_each([&](std::size_t part) {
-        const double gain = gains_.part_gain(static_cast<PartIndex>(part));
-        sum += gain;
-        least = std::min(least, gain);
-      });
-      bound = std::min(bound, sum - least);
+      upper_list_.clear();
+      set.for_each([&](std::size_t part) { upper_list_.push_back(static_cast<PartIndex>(part)); });
+      bound = std::min(bound, gains_.by_parts(upper_list_));
     }
     return bound;
   }
@@ -629,6 +624,7 @@ class Search {
   std::vector<unsigned char> wanted_;
   std::vector<unsigned char> gone_;
   std::vector<PartIndex> queue_;
+  std::vector<PartIndex> upper_list_;
   std::vector<PartIndex> side_list_;
   std::vector<PartIndex> rest_list_;
   double parts_scale_ = 0;  ///< size of the bound of the piece at hand: what rounding is measured by
