@@ -41,5 +41,6 @@
 #include "orasp/model/validate.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/bounds.h"
+#include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/graph_size.h"
 #include "orasp/planners/state_graph.h"
