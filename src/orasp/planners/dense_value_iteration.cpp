@@ -228,7 +228,7 @@ class ForestBlocks {
 
   static void look_up(const Value* table, const std::array<std::uint16_t, kLanes>& places,
                       std::array<Value, kLanes>& rewards) {
-#pragma GCC unroll 32
+#pragma GCC unroll 16  // measured: quicker than 8 and than all 32
     for (std::size_t l = 0; l < kLanes; ++l) rewards[l] = table[places[l]];
   }
 
