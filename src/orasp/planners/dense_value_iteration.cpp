@@ -562,12 +562,12 @@ void conclude(const TransitionSystem& system, const Numbers& numbers,
   result.status = Status::Optimal;
   result.bound = result.reward;
   if constexpr (std::is_same_v<Numbers, FixedPoint>) {
-    const double steps = static_cast<double>(n);
+    const auto steps = static_cast<double>(n);
     const double most = numbers.value(start) + steps * error;
     const double rounding = steps * std::numeric_limits<double>::epsilon() *
                             (steps * numbers.most_step + numbers.most_last);
     std::string unit = "1e" + std::to_string(std::lround(-std::log10(numbers.per_unit)));
-    if (most - result.reward > kRewardTolerance + rounding) {
+    if (!std::isfinite(rounding) || most - result.reward > kRewardTolerance + rounding) {
       result.status = Status::Feasible;
       if (std::isfinite(most)) {
         result.bound = most;
