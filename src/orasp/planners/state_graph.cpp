@@ -582,13 +582,14 @@ GraphEstimate estimate_graph(const TransitionSystem& system) {
 
 namespace {
 
-/// An estimate of a size that does not fit; empty if it does.
-std::optional<GraphEstimate> too_large(const TransitionSystem& system, double allowed) {
+/// An estimate of a size that does not fit; empty if it does. `slack`: how far an estimate by sampling may exceed what
+/// is allowed.
+std::optional<GraphEstimate> too_large(const TransitionSystem& system, double allowed,
+                                       double slack) {
   // Constraints only take states away: where all subsets fit there is nothing to estimate.
   if (estimate_without_constraints(system).bytes <= allowed) return std::nullopt;
   const GraphEstimate estimate = estimate_graph(system);
-  // An estimate by sampling may be off by a factor of two or so; the memory limit stands behind it.
-  const double slack = estimate.exact ? 1 : 2;
+  if (estimate.exact) slack = 1;
   if (estimate.bytes <= slack * allowed &&
       estimate.states <= slack * static_cast<double>(kMostStates))
     return std::nullopt;
@@ -598,13 +599,14 @@ std::optional<GraphEstimate> too_large(const TransitionSystem& system, double al
 }  // namespace
 
 bool graph_fits(const TransitionSystem& system, const Budget& budget) {
-  return !too_large(system, static_cast<double>(allowed_bytes(budget)));
+  return !too_large(system, static_cast<double>(allowed_bytes(budget)), 1);
 }
 
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,
                         const std::string& method, double other_bytes) {
   const auto allowed = static_cast<double>(allowed_bytes(budget));
-  const auto estimate = too_large(system, allowed);
+  // An estimate by sampling may be off by a factor of two or so; the memory limit stands behind it.
+  const auto estimate = too_large(system, allowed, 2);
   if (!estimate) return;
   const bool bounded = ConnectionBound(system).known();
   const std::string other =

@@ -125,11 +125,11 @@ struct GraphEstimate {
 /// of what the machine has.
 [[nodiscard]] std::uint64_t allowed_bytes(const Budget& budget);
 
-/// Whether H is estimated to fit in allowed_bytes(budget) (a sampled estimate may exceed it twofold: the limit still
-/// ends the build).
+/// Whether H is estimated to fit in allowed_bytes(budget).
 [[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);
 
-/// Throws InputError, before memory is taken, unless graph_fits(); the sentence gives the estimate and the methods that
+/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget) (a sampled estimate
+/// may exceed it twofold: the limit still ends the build); the sentence gives the estimate and the methods that
 /// do not build H. `method` is the one refused; `other_bytes`, if not 0, is what a table of all subsets would take, to
 /// be named too.
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,

@@ -146,13 +146,17 @@ Result value_iteration(const TransitionSystem& system, const ValueIterationOptio
     throw InputError("value-iteration: the initial value must be finite");
   if (!(options.epsilon >= 0)) throw InputError("value-iteration: epsilon must be 0 or more");
   const bool dense = options == ValueIterationOptions{} && dense_values_safe(system);
-  if (dense && dense_table_fits(system, budget) &&
-      (unconstrained(system) || !graph_fits(system, budget)))
+  const bool dense_fits = dense && dense_table_fits(system, budget);
+  if (dense_fits && (unconstrained(system) || !graph_fits(system, budget)))
     return dense_value_iteration(system, {}, budget);
-  return detail::on_graph(
+  Result result = detail::on_graph(
       system, budget, "value-iteration",
       [&](const StateGraph& graph) { return value_iteration(graph, options, budget); },
       dense ? dense_table_bytes(system, budget) : 0);
+  // The estimate was too low.
+  if (result.stop == Stop::MemoryLimit && dense_fits)
+    return dense_value_iteration(system, {}, budget);
+  return result;
 }
 
 }  // namespace orasp

@@ -38,9 +38,10 @@ struct ValueIterationOptions {
 /// Limit.      H must fit in memory, or the table of dense_value_iteration.
 /// Repeatable. Ties go to the lowest connection; any number of threads gives the same bytes.
 ///
-/// With default options, H is not built but dense_value_iteration() answers where nothing is constrained, since then H
-/// holds every subset and the table finds the same plan several times as fast; and where H does not fit but the table
-/// does. Result::values is then empty; build H and use the second form for values.
+/// With default options, H is not built but dense_value_iteration() answers where nothing is
+/// constrained, since then H holds every subset and the table finds the same plan several times as
+/// fast; and where H does not fit, by the estimate or while it grows, but the table does.
+/// Result::values is then empty; build H and use the second form for values.
 /// @throws InputError if neither is estimated to fit (require_graph_fits).
 [[nodiscard]] Result value_iteration(const TransitionSystem& system,
                                      const ValueIterationOptions& options, const Budget& budget);
