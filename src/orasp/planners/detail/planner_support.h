@@ -33,13 +33,13 @@ namespace orasp::detail {
 [[nodiscard]] Statistics statistics_of(const StateGraph& graph);
 
 /// Builds H within the budget and runs `plan(graph)` on it, with the refusals and endings that all
-/// methods on H share.
+/// methods on H share. `other_bytes` as in require_graph_fits.
 template <class Plan>
 [[nodiscard]] Result on_graph(const TransitionSystem& system, const Budget& budget,
-                              std::string_view method, Plan&& plan) {
+                              std::string_view method, Plan&& plan, double other_bytes = 0) {
   const Stopwatch watch;
   if (auto result = settled(system, method)) return *result;
-  require_graph_fits(system, budget, std::string(method));
+  require_graph_fits(system, budget, std::string(method), other_bytes);
   const StateGraph graph = StateGraph::build(system, budget);
   Result result = graph.stop() != Stop::None
                       ? stopped(system, method, graph.stop(), statistics_of(graph))
