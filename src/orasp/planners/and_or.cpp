@@ -758,24 +758,12 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
   return steps.size() == connections ? steps : std::vector<ConnectionIndex>{};
 }
 
-/// The reward of a sequence of legal steps.
-double reward_of(const TransitionSystem& system, const std::vector<ConnectionIndex>& sequence) {
-  Expander expander(system);
-  ConnectionSet open = system.start();
-  double reward = 0;
-  for (const ConnectionIndex c : sequence) {
-    reward += expander.step(open.view(), c).reward;
-    open.erase(c);
-  }
-  return reward;
-}
-
 /// The plan that the search has found, if it can be carried out.
 template <std::size_t kWords>
 void take_plan(const World& world, Search<kWords>& search, bool dive, Result& result) {
   std::vector<ConnectionIndex> sequence = search.sequence(dive);
   if (sequence.size() != world.system.num_connections()) return;
-  result.reward = reward_of(world.system, sequence);
+  result.reward = detail::reward_of(world.system, sequence);
   result.sequence = std::move(sequence);
   result.status = Status::Feasible;
 }

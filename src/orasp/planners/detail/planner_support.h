@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,7 +18,11 @@ namespace orasp::detail {
 [[nodiscard]] std::optional<Result> settled(const TransitionSystem& system,
                                             std::string_view method);
 
-/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, if one
+/// The reward of a sequence of legal steps from the start. O(steps * (parts + connections)).
+[[nodiscard]] double reward_of(const TransitionSystem& system,
+                               std::span<const ConnectionIndex> sequence);
+
+/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, or any, if one
 /// is found at once. `statistics` are those of the method.
 [[nodiscard]] Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
                              const Statistics& statistics);
