@@ -281,7 +281,7 @@ class Search {
       try_ends_ = result_.statistics.expanded + patience;
       const double loss = search(piece, parts, allowed, limit);
       if (interrupted_ && result_.stop == Stop::None && !gave_up_) {
-        patience += patience / 4;
+        patience *= 2;
         ++salt_;
         continue;
       }
@@ -779,8 +779,10 @@ void add_effort(Statistics& sum, const Statistics& part) {
 /// turn, each time for longer.
 template <std::size_t kWords>
 Result planned(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
-  constexpr std::uint64_t kFirstExpansions = 20'000;
-  constexpr std::uint64_t kFirstLooks = 200'000;
+  // Of the first round: some tenths of a second at any size.
+  const std::uint64_t size = std::max<std::uint64_t>(system.problem().num_parts(), 1);
+  const std::uint64_t first_expansions = std::clamp<std::uint64_t>(2'500'000 / size, 2'000, 20'000);
+  const std::uint64_t first_looks = std::max<std::uint64_t>(12'800'000 / (size * kWords), 500);
   constexpr std::uint64_t kForestsInRound = 8;  // the same for any number of threads
   constexpr std::uint64_t kForestExpansions = 2'000;
   const World world(system);
@@ -791,7 +793,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
   best.method = "and-or";
   for (std::uint64_t round = options.first_round;; ++round) {
     const std::uint64_t longer = std::uint64_t{1} << std::min<std::uint64_t>(round, 40);
-    const bool ended = search.run(kFirstExpansions * longer, kFirstLooks * longer);
+    const bool ended = search.run(first_expansions * longer, first_looks * longer);
     const double most = whole.bound.value_or(kInfinity);
     if (ended && most == -kInfinity) return detail::exhausted("and-or", whole.statistics);
     if (ended) take_plan(world, search, false, whole);

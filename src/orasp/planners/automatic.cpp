@@ -130,7 +130,7 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
   const bool by_pieces = and_or_applies(system);
   bool pieces_ended = !by_pieces;
   const auto look_at_pieces = [&](std::uint64_t round) {
-    const Result result = and_or(system, {.first_round = round, .rounds = 1}, budget);
+    const Result result = and_or(system, {.first_round = 2 * round, .rounds = 2}, budget);
     findings.add(result);
     if (result.stop == Stop::None) pieces_ended = true;
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;

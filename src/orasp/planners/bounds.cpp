@@ -170,7 +170,12 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
     double worth;  ///< w
   };
   std::vector<Moved> sets;
-  // The value of a piece of two or three parts by its own cuts; singles are worth nothing.
+  // The value of a piece of two or three parts by its own cuts; singles are worth nothing. A cut that blocking forbids is
+  // counted all the same: the bound stays finite, and the searches find the dead end.
+  const auto moved_gain = [&](PartIndex u, PartIndex v) {
+    return std::max(expander.greatest_gain_of_moving({&u, 1}),
+                    expander.greatest_gain_of_moving({&v, 1}));
+  };
   const auto pair_value = [&](PartIndex u, PartIndex v) {
     double best = -kInfinity;
     for (const auto& half : graph.around(u)) {
@@ -178,7 +183,7 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
       const bool u_is_a = problem.ends(half.connection)[0] == u;
       const auto gain = u_is_a ? expander.cut_gain({&u, 1}, {&v, 1}, half.connection)
                                : expander.cut_gain({&v, 1}, {&u, 1}, half.connection);
-      if (gain) best = std::max(best, *gain);
+      best = std::max(best, gain ? *gain : moved_gain(u, v));
     }
     return best;
   };
@@ -188,13 +193,13 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
       const PartIndex alone = piece[i];
       const std::array<PartIndex, 2> others = {piece[(i + 1) % 3], piece[(i + 2) % 3]};
       const double rest = pair_value(others[0], others[1]);
-      if (rest == -kInfinity) continue;
+      if (rest == -kInfinity) continue;  // not connected
       for (const auto& half : graph.around(alone)) {
         if (half.other != others[0] && half.other != others[1]) continue;
         const bool alone_is_a = problem.ends(half.connection)[0] == alone;
         const auto gain = alone_is_a ? expander.cut_gain({&alone, 1}, others, half.connection)
                                      : expander.cut_gain(others, {&alone, 1}, half.connection);
-        if (gain) best = std::max(best, *gain + rest);
+        best = std::max(best, (gain ? *gain : expander.greatest_gain_of_moving({&alone, 1})) + rest);
       }
     }
     return best;
@@ -210,7 +215,7 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
       value = piece.size() == 2 ? pair_value(piece[0], piece[1]) : triple_value(piece);
       place->second = value;
     }
-    if (piece.size() > most_moved_ || value == -kInfinity) return;
+    if (piece.size() > most_moved_) return;
     Moved& moved = sets.emplace_back();
     std::ranges::copy(piece, moved.parts.begin());
     moved.size = piece.size();
