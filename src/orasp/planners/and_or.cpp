@@ -296,6 +296,64 @@ class Search {
     }
   }
 
+  /// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more than sizes tell.
+  double first_loss(const Set& piece, std::size_t parts) {
+    if (!gains_.sizes_known() || parts < 3) return 0;
+    const double most = gains_.by_arms(parts, arms(piece));
+    return std::max(0.0, upper(piece, parts) - most - slack(parts_scale_));
+  }
+
+  /// The most components that a piece falls into without one of its parts. Reference: articulation points by depth-first
+  /// search, Hopcroft and Tarjan (1973), Comm. ACM 16(6), 372-378.
+  std::size_t arms(const Set& piece) {
+    std::size_t most = 1;
+    if (graph_.is_forest()) {
+      piece.for_each([&](std::size_t part) {
+        most = std::max(most, (neighbours_[part] & piece).size());
+      });
+      return most;
+    }
+    constexpr std::uint32_t kUnmet = 0;
+    met_.assign(problem_.num_parts(), kUnmet);
+    low_.resize(problem_.num_parts());
+    struct Frame {
+      PartIndex part;
+      PartIndex from;
+      std::uint32_t next;
+      std::size_t arms;
+    };
+    std::vector<Frame> path;
+    std::uint32_t time = 0;
+    const auto root = static_cast<PartIndex>(piece.first());
+    const auto enter = [&](PartIndex part, PartIndex from) {
+      met_[part] = low_[part] = ++time;
+      path.push_back({part, from, 0, from == kNoPart ? std::size_t{0} : std::size_t{1}});
+    };
+    enter(root, kNoPart);
+    while (!path.empty()) {
+      Frame& frame = path.back();
+      const auto around = graph_.around(frame.part);
+      if (frame.next < around.size()) {
+        const PartIndex other = around[frame.next++].other;
+        if (!piece.contains(other) || other == frame.from) continue;
+        if (met_[other] == kUnmet) {
+          enter(other, frame.part);
+        } else {
+          low_[frame.part] = std::min(low_[frame.part], met_[other]);
+        }
+        continue;
+      }
+      const Frame done = frame;
+      most = std::max(most, done.arms);
+      path.pop_back();
+      if (path.empty()) break;
+      Frame& above = path.back();
+      low_[above.part] = std::min(low_[above.part], low_[done.part]);
+      if (low_[done.part] >= met_[above.part]) ++above.arms;
+    }
+    return most;
+  }
+
   /// The least loss of a piece where it is within `limit`; otherwise a lower bound on it, above `limit`.
   double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit) {
     if (parts == 1) return 0;
@@ -303,7 +361,7 @@ class Search {
     if (limited_) allowed = useful(allowed, parts);
     const auto [number, is_new] = memo_.insert(key(piece, allowed).data());
     if (is_new) {
-      loss_.push_back(0);
+      loss_.push_back(first_loss(piece, parts));
       exact_.push_back(0);
     }
     if (exact_[number] != 0 || loss_[number] > limit || stopped())
@@ -349,16 +407,19 @@ class Search {
       const std::size_t one_allowed = side_first ? side_allowed : rest_allowed;
       const std::size_t other_allowed = side_first ? rest_allowed : side_allowed;
       double other_loss = known_loss(other, parts - one_parts, other_allowed);
-      const double one_loss = search(one, one_parts, one_allowed, most - cut.own_loss - other_loss);
-      double total = cut.own_loss + one_loss + other_loss;
+      // A loss above the limit it was asked for is a lower bound only, however the sums are rounded.
+      const double one_limit = most - cut.own_loss - other_loss;
+      const double one_loss = search(one, one_parts, one_allowed, one_limit);
+      bool solved = one_loss <= one_limit;
       ++result_.statistics.generated;
-      if (total <= most) {
-        other_loss =
-            search(other, parts - one_parts, other_allowed, most - cut.own_loss - one_loss);
-        total = cut.own_loss + one_loss + other_loss;
+      if (solved) {
+        const double other_limit = most - cut.own_loss - one_loss;
+        other_loss = search(other, parts - one_parts, other_allowed, other_limit);
+        solved = other_loss <= other_limit;
       }
+      const double total = cut.own_loss + one_loss + other_loss;
       if (stopped()) break;
-      if (total <= most) {
+      if (solved) {
         best = total;
       } else {
         next = std::min(next, total);
@@ -366,11 +427,12 @@ class Search {
     }
     cuts_.resize(begin);
     if (stopped()) return loss_[number];
-    if (best <= limit) {
+    if (best < kInfinity) {
       loss_[number] = best;
       exact_[number] = 1;
     } else {
-      loss_[number] = std::max(loss_[number], next);
+      // It is above the limit, also where the sums are rounded onto it.
+      loss_[number] = std::max({loss_[number], next, std::nextafter(limit, kInfinity)});
       if (next == kInfinity) exact_[number] = 1;
     }
     return loss_[number];
@@ -624,6 +686,8 @@ class Search {
   std::vector<unsigned char> wanted_;
   std::vector<unsigned char> gone_;
   std::vector<PartIndex> queue_;
+  std::vector<std::uint32_t> met_;
+  std::vector<std::uint32_t> low_;
   std::vector<PartIndex> upper_list_;
   std::vector<PartIndex> side_list_;
   std::vector<PartIndex> rest_list_;
@@ -680,7 +744,7 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     if (!known && !dive) return {};
     list_cuts(task.piece, parts, allowed,
               known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity);
-    const auto chosen = std::ranges::min_element(cuts_, {}, [&](const Cut& cut) {
+    const auto promise = [&](const Cut& cut) {
       // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
       const Set rest = task.piece - cut.side;
       const std::size_t side_parts = cut.side.size();
@@ -689,8 +753,9 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
           is_exact(cut.side, both && !cut.side_waits ? allowed - 1 : allowed) &&
           is_exact(rest, both && cut.side_waits ? allowed - 1 : allowed);
       return solved || !known ? cut.estimate : kInfinity;
-    });
-    if (chosen == cuts_.end()) return {};
+    };
+    const auto chosen = std::ranges::min_element(cuts_, {}, promise);
+    if (chosen == cuts_.end() || promise(*chosen) == kInfinity) return {};
     const Cut cut = *chosen;
     const Set rest = task.piece - cut.side;
     const bool both = limited_ && cut.side.size() >= 2 && rest.size() >= 2;

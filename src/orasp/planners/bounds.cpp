@@ -80,6 +80,31 @@ double PieceGains::gain(std::size_t moved, std::size_t kept) const {
   return moved > most_moved_ ? -kInfinity : gains_[(parts - 1) * (parts - 1) / 4 + moved - 1];
 }
 
+double PieceGains::by_arms(std::size_t parts, std::size_t arms) const {
+  if (arms < 2 || by_arms_.empty()) return by_size_[parts];
+  return by_arms_[std::min(arms - 2, by_arms_.size() - 1)][parts];
+}
+
+void PieceGains::measure_arms(const Problem& problem) {
+  const std::size_t parts = problem.num_parts();
+  std::vector<std::size_t> degree(parts, 0);
+  std::size_t most_arms = 0;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    for (const PartIndex part : problem.ends(c)) most_arms = std::max(most_arms, ++degree[part]);
+  }
+  most_arms = std::min(most_arms, kMostArms);
+  for (std::size_t arms = 2; arms <= most_arms; ++arms) {
+    std::vector<double> best(parts + 1, -kInfinity);
+    for (std::size_t n = arms + 1; n <= parts; ++n) {
+      for (std::size_t a = 1; a + arms <= n; ++a) {
+        best[n] = std::max(best[n], gain(std::min(a, n - a), std::max(a, n - a)) + by_size_[a] +
+                                        by_arms(n - a, arms - 1));
+      }
+    }
+    by_arms_.push_back(std::move(best));
+  }
+}
+
 void PieceGains::measure_sizes(Expander& expander, const Problem& problem) {
   const std::size_t parts = problem.num_parts();
   by_size_.assign(parts + 1, -kInfinity);
@@ -94,6 +119,7 @@ void PieceGains::measure_sizes(Expander& expander, const Problem& problem) {
   }
   // A limit under which some size cannot be cut at all is left to the searches.
   sizes_known_ = std::ranges::all_of(by_size_, [](double best) { return std::isfinite(best); });
+  if (sizes_known_ && parts <= kMostPartsWithArms) measure_arms(problem);
 }
 
 namespace {

@@ -93,6 +93,16 @@ class PieceGains {
   /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller of a, b at most
   /// max_moved_parts. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
   [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
+  /// The same for a piece that falls into `arms` components without some part v: each side of a cut without v lies within
+  /// one of them, so v sees at least as many cuts as there are arms:
+  ///
+  ///     g(n, k) = max over a + b = n of gain(a, b) + g(a) + g(b, k - 1),   b > k - 1,   v in the side of b.
+  ///
+  /// It tells a hub from a chain. Up to kMostArms, more count as that many, and up to
+  /// 512 parts, beyond which it is by_size.
+  static constexpr std::size_t kMostArms = 64;
+  [[nodiscard]] double by_arms(std::size_t parts, std::size_t arms) const;
+
   /// The most that a cut into so many parts gains; -infinity where max_moved_parts forbids it.
   [[nodiscard]] double gain(std::size_t moved, std::size_t kept) const;
   /// By what moves: the sum of prices y(p) <= 0 over the parts of the piece, less the least of them.
@@ -109,7 +119,9 @@ class PieceGains {
   [[nodiscard]] double by_parts(std::span<const PartIndex> piece) const;
 
  private:
+  static constexpr std::size_t kMostPartsWithArms = 512;
   void measure_sizes(Expander& expander, const Problem& problem);
+  void measure_arms(const Problem& problem);
   void measure_parts(Expander& expander, const Problem& problem);
   void lower_prices(Expander& expander, const Problem& problem, const detail::AssemblyGraph& graph);
 
@@ -120,6 +132,7 @@ class PieceGains {
   std::size_t most_moved_ = 0;
   std::vector<double> own_;
   std::vector<double> by_size_;
+  std::vector<std::vector<double>> by_arms_;  ///< from two arms on, by parts
   std::vector<double> gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
   std::vector<double> prices_;
   /// Exact values of connected sets of two and three parts, by their parts in ascending order; empty with simple prices.
