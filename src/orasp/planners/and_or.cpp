@@ -148,7 +148,9 @@ class Search {
         budget_(budget),
         allowed_bytes_(allowed_bytes(budget)),
         result_(result),
-        by_sizes_(world.system.gain_by_sizes() && !problem_.limits().max_moved_mass &&
+        bounded_(world.gains.sizes_known() || world.gains.parts_known()),
+        by_sizes_(world.system.gain_by_sizes() && world.gains.sizes_known() &&
+                  !problem_.limits().max_moved_mass &&
                   problem_.directions() == 0),
         by_connection_(world.system.gain_by_connection()),
         limited_(problem_.limits().max_subassemblies.has_value()),
@@ -230,6 +232,7 @@ class Search {
   };
 
   [[nodiscard]] double upper(const Set& set, std::size_t parts) {
+    if (!bounded_) return 0;
     double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
     if (gains_.parts_known()) {
       upper_list_.clear();
@@ -249,11 +252,12 @@ class Search {
     result[kWords] = limited_ ? useful(allowed, set.size()) : 0;
     return result;
   }
+  [[nodiscard]] double unknown_loss() const { return bounded_ ? 0 : -kInfinity; }
   /// What is known of the loss of a piece: at least this much.
   [[nodiscard]] double known_loss(const Set& set, std::size_t parts, std::size_t allowed) const {
     if (parts == 1) return 0;
     const std::uint32_t number = memo_.find(key(set, allowed).data());
-    return number == detail::StateTable<kWords + 1>::kAbsent ? 0 : loss_[number];
+    return number == detail::StateTable<kWords + 1>::kAbsent ? unknown_loss() : loss_[number];
   }
 
   [[nodiscard]] bool is_exact(const Set& set, std::size_t allowed) const {
@@ -270,7 +274,7 @@ class Search {
     const std::size_t parts = piece.size();
     const double scale = upper(piece, parts);
     parts_scale_ = scale;
-    double limit = known_loss(piece, parts, allowed) + slack(scale);
+    double limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity;
     double step = slack(scale);
     // A dive that goes wrong high up tries every way to fail further down: so each try ends after a while, and the next
     // takes equal cuts in another order. What was proved stays.
@@ -298,7 +302,7 @@ class Search {
 
   /// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more than sizes tell.
   double first_loss(const Set& piece, std::size_t parts) {
-    if (!gains_.sizes_known() || parts < 3) return 0;
+    if (!gains_.sizes_known() || parts < 3) return unknown_loss();
     const double most = gains_.by_arms(parts, arms(piece));
     return std::max(0.0, upper(piece, parts) - most - slack(parts_scale_));
   }
@@ -385,7 +389,7 @@ class Search {
               });
     double best = kInfinity;
     const std::size_t end = cuts_.size();
-    const double tie = slack(limit);
+    const double tie = slack(parts_scale_);
     for (std::size_t i = begin; i < end && !stopped(); ++i) {
       const Cut cut = cuts_[i];
       const double most = std::min(limit, best - tie);
@@ -670,6 +674,7 @@ class Search {
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
+  bool bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and may be negative
   bool by_sizes_;
   bool by_connection_;
   bool limited_;
@@ -851,7 +856,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
   constexpr std::uint64_t kForestsInRound = 8;  // the same for any number of threads
   constexpr std::uint64_t kForestExpansions = 2'000;
   const World world(system);
-  if (!world.gains.sizes_known() && !world.gains.parts_known()) return {};
+  if (!world.gains.known()) return {};
   Result whole;  // what looking at all cuts gives
   Search<kWords> search(world, 0, budget, whole);
   Result best;
@@ -899,7 +904,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
       stop = Stop::ExpansionLimit;
     }
     add_effort(best.statistics, whole.statistics);
-    best.bound = most;
+    if (std::isfinite(most)) best.bound = most;
     if (!best.sequence.empty() || system.num_connections() == 0) best.status = Status::Feasible;
     if (proved()) {
       best.status = Status::Optimal;
@@ -933,11 +938,16 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
         "a-star or beam instead");
   }
   const std::size_t words = (system.problem().num_parts() + 63) / 64;
-  Result result = words <= 1   ? planned<1>(system, options, budget)
-                  : words <= 2 ? planned<2>(system, options, budget)
-                  : words <= 4 ? planned<4>(system, options, budget)
-                  : words <= 8 ? planned<8>(system, options, budget)
-                               : planned<16>(system, options, budget);
+  Result result;
+  try {
+    result = words <= 1   ? planned<1>(system, options, budget)
+             : words <= 2 ? planned<2>(system, options, budget)
+             : words <= 4 ? planned<4>(system, options, budget)
+             : words <= 8 ? planned<8>(system, options, budget)
+                          : planned<16>(system, options, budget);
+  } catch (const InputError&) {
+    // A formula without a value for a cut that no plan may ever make: what follows meets it if one does.
+  }
   if (!result.has_plan() && result.status != Status::Infeasible) {
     // The cut tree could not be carried out, or there was no time for one.
     Result other = result.stop == Stop::None

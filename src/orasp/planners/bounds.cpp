@@ -65,14 +65,19 @@ PieceGains::PieceGains(const TransitionSystem& system) {
            problem.num_parts() <= kMostParts;
   if (!known_) return;
   Expander expander(system);
-  last_surplus_ = problem.num_connections() == 0 ? 0 : -kInfinity;
-  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
-    own_.push_back(expander.own_reward(c));
-    last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
+  try {
+    last_surplus_ = problem.num_connections() == 0 ? 0 : -kInfinity;
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      own_.push_back(expander.own_reward(c));
+      last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
+    }
+    most_moved_ = problem.limits().max_moved_parts.value_or(problem.num_parts());
+    measure_sizes(expander, problem);
+    measure_parts(expander, problem);
+  } catch (const InputError&) {
+    // A formula without a value for a step that no plan may ever take, such as 1 / moved_parts where nothing moves.
+    known_ = sizes_known_ = parts_known_ = false;
   }
-  most_moved_ = problem.limits().max_moved_parts.value_or(problem.num_parts());
-  measure_sizes(expander, problem);
-  measure_parts(expander, problem);
 }
 
 double PieceGains::gain(std::size_t moved, std::size_t kept) const {
