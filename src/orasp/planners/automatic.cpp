@@ -22,7 +22,7 @@ namespace {
 
 /// Expansions for a look at whether a plan meets the bound; a few milliseconds.
 constexpr std::uint64_t kFirstLook = 5000;
-/// Expansions of the first turn of beam; each turn is twice as long as the one before.
+/// Expansions of the first turn of beam; each turn is four times as long as the one before.
 constexpr std::uint64_t kFirstTurn = 20'000;
 
 /// Whether H is small enough to build, looked at as cheaply as possible.
@@ -157,7 +157,7 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
     Budget some = budget;
     if (!pieces_ended) {
-      some.max_expansions = kFirstTurn << std::min<std::uint64_t>(turn, 40);
+      some.max_expansions = kFirstTurn << std::min<std::uint64_t>(2 * turn, 40);
       some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
     }
     const Result passes = beam(system, {.incumbent = &findings.best()}, some);
