@@ -180,6 +180,7 @@ class Search {
   /// @returns whether the search came to an end. What it has proved stays for the next run.
   bool run(std::uint64_t most_expansions, std::uint64_t most_looks) {
     gave_up_ = false;
+    peeled_.clear();
     last_expansion_ = result_.statistics.expanded + most_expansions;
     last_look_ = looks_ + most_looks;
     std::vector<Set> pieces;
@@ -217,9 +218,14 @@ class Search {
   /// cut that promises most.
   std::vector<ConnectionIndex> sequence(bool dive);
 
+  /// Looks for a good plan that takes small sides off each piece, one after the other: of the rests of each size the
+  /// `width` that have lost least are kept. What is cut off is solved exactly. The next sequence() follows what it finds.
+  void peel(std::size_t width);
+
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::size_t kMostAllowed = 63;
+  static constexpr std::size_t kMostPeeled = 3;
   static constexpr double kSlack = kRewardTolerance;
 
   /// A cut of a piece into `side` and the rest.
@@ -230,6 +236,9 @@ class Search {
     std::uint64_t order;  ///< among equal ones
     bool side_waits;   ///< the rest is finished first
   };
+
+  [[nodiscard]] std::optional<Cut> next_cut(const Set& piece, std::size_t parts,
+                                            std::size_t allowed, bool dive);
 
   [[nodiscard]] double upper(const Set& set, std::size_t parts) {
     if (!bounded_) return 0;
@@ -451,7 +460,7 @@ class Search {
     std::size_t largest = 0;
     const std::size_t most_moved = problem_.limits().max_moved_parts.value_or(parts);
     for (std::size_t a = 1; a <= std::min(parts / 2, most_moved); ++a) {
-      double least = 0;
+      double least = unknown_loss();
       if (gains_.sizes_known())
         least = here - gains_.gain(a, parts - a) - gains_.by_size(a) - gains_.by_size(parts - a);
       if (least > limit) {
@@ -461,6 +470,7 @@ class Search {
         largest = a;
       }
     }
+    if (peeling_ && !along_forest_) largest = std::min(largest, kMostPeeled);
     if (largest == 0) return skipped;
     const auto offer = [&](const Set& side, std::size_t side_parts) {
       const Set rest = piece - side;
@@ -707,7 +717,106 @@ class Search {
 
   std::vector<Set> pieces_;
   std::size_t allowed_ = 0;
+  bool peeling_ = false;
+  std::vector<std::pair<Set, Set>> peeled_;  ///< pieces with the sides to cut off them
 };
+
+template <std::size_t kWords>
+void Search<kWords>::peel(std::size_t width) {
+  struct Rest {
+    Set piece;
+    double loss;
+    std::uint32_t before;  ///< the piece it was cut from, in `all`
+    Set side;              ///< what was cut off
+  };
+  peeled_.clear();
+  peeling_ = true;
+  interrupted_ = gave_up_ = false;
+  try_ends_ = last_expansion_ = last_look_ = std::numeric_limits<std::uint64_t>::max();
+  for (const Set& whole : pieces_) {
+    const std::size_t parts = whole.size();
+    std::vector<std::vector<Rest>> by_size(parts + 1);
+    std::vector<Rest> all;  // those kept, largest first
+    by_size[parts].push_back({whole, 0, kNone, {}});
+    const auto keep_best = [width](std::vector<Rest>& rests) {
+      // The best of each, then the best of all.
+      std::ranges::sort(rests, [](const Rest& a, const Rest& b) {
+        if (a.piece.words != b.piece.words) return a.piece.words < b.piece.words;
+        return a.loss != b.loss ? a.loss < b.loss : a.before < b.before;
+      });
+      const auto same =
+          std::ranges::unique(rests, {}, [](const Rest& rest) { return rest.piece.words; });
+      rests.erase(same.begin(), same.end());
+      std::ranges::stable_sort(rests, {}, &Rest::loss);
+      if (rests.size() > width) rests.resize(width);
+    };
+    for (std::size_t size = parts; size >= 2 && result_.stop == Stop::None; --size) {
+      std::vector<Rest>& here = by_size[size];
+      keep_best(here);
+      for (const Rest& rest : here) {
+        const auto number = static_cast<std::uint32_t>(all.size());
+        all.push_back(rest);
+        cuts_.clear();
+        static_cast<void>(list_cuts(rest.piece, size, allowed_, kInfinity));
+        const std::vector<Cut> cuts = cuts_;
+        cuts_.clear();
+        for (const Cut& cut : cuts) {
+          const std::size_t cut_parts = cut.side.size();
+          const bool side_stays = 2 * cut_parts > size;
+          const Set off = side_stays ? rest.piece - cut.side : cut.side;
+          const std::size_t off_parts = side_stays ? size - cut_parts : cut_parts;
+          // What is cut off is done at once, while the rest waits.
+          const bool rest_waits = side_stays ? cut.side_waits : !cut.side_waits;
+          const bool both = limited_ && off_parts >= 2 && size - off_parts >= 2;
+          if (off_parts > kMostPeeled || (both && !rest_waits)) continue;
+          const double off_loss =
+              search(off, off_parts, both ? allowed_ - 1 : allowed_, kInfinity);
+          if (off_loss == kInfinity || result_.stop != Stop::None) continue;
+          std::vector<Rest>& there = by_size[size - off_parts];
+          there.push_back({rest.piece - off, rest.loss + cut.own_loss + off_loss, number, off});
+          if (there.size() > 1024 + 8 * width) keep_best(there);
+        }
+        poll();
+      }
+      here = {};
+    }
+    if (by_size[1].empty()) break;
+    const Rest* at = &*std::ranges::min_element(by_size[1], {}, &Rest::loss);
+    while (at->before != kNone) {
+      peeled_.emplace_back(all[at->before].piece, at->side);
+      at = &all[at->before];
+    }
+  }
+  peeling_ = false;
+}
+
+/// The cut that a plan makes to a piece: the one that peel() found, or the best; nothing where none is known.
+template <std::size_t kWords>
+auto Search<kWords>::next_cut(const Set& piece, std::size_t parts, std::size_t allowed, bool dive)
+    -> std::optional<Cut> {
+  const auto peeled = std::ranges::find(peeled_, piece, &std::pair<Set, Set>::first);
+  if (peeled != peeled_.end())
+    return Cut{.side = peeled->second, .own_loss = 0, .estimate = 0, .order = 0, .side_waits = false};
+  const bool known = is_exact(piece, allowed);
+  if (!known && !dive) return std::nullopt;
+  const double loss = known_loss(piece, parts, allowed);
+  cuts_.clear();
+  static_cast<void>(list_cuts(
+      piece, parts, allowed,
+      known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity));
+  const auto promise = [&](const Cut& cut) {
+    // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
+    const Set rest = piece - cut.side;
+    const std::size_t side_parts = cut.side.size();
+    const bool both = limited_ && side_parts >= 2 && parts - side_parts >= 2;
+    const bool solved = is_exact(cut.side, both && !cut.side_waits ? allowed - 1 : allowed) &&
+                        is_exact(rest, both && cut.side_waits ? allowed - 1 : allowed);
+    return solved || !known ? cut.estimate : kInfinity;
+  };
+  const auto chosen = std::ranges::min_element(cuts_, {}, promise);
+  if (chosen == cuts_.end() || promise(*chosen) == kInfinity) return std::nullopt;
+  return *chosen;
+}
 
 /// The steps of the cut trees, one piece after the other, a side that waits last. What a cut needs: every connection
 /// between the sides, and what precedence asks for before them; all but the last separate nothing.
@@ -743,25 +852,9 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     const std::size_t parts = task.piece.size();
     if (parts == 1) continue;
     const std::size_t allowed = limited_ ? useful(task.allowed, parts) : task.allowed;
-    const double loss = known_loss(task.piece, parts, allowed);
-    cuts_.clear();
-    const bool known = is_exact(task.piece, allowed);
-    if (!known && !dive) return {};
-    list_cuts(task.piece, parts, allowed,
-              known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity);
-    const auto promise = [&](const Cut& cut) {
-      // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
-      const Set rest = task.piece - cut.side;
-      const std::size_t side_parts = cut.side.size();
-      const bool both = limited_ && side_parts >= 2 && parts - side_parts >= 2;
-      const bool solved =
-          is_exact(cut.side, both && !cut.side_waits ? allowed - 1 : allowed) &&
-          is_exact(rest, both && cut.side_waits ? allowed - 1 : allowed);
-      return solved || !known ? cut.estimate : kInfinity;
-    };
-    const auto chosen = std::ranges::min_element(cuts_, {}, promise);
-    if (chosen == cuts_.end() || promise(*chosen) == kInfinity) return {};
-    const Cut cut = *chosen;
+    const std::optional<Cut> next = next_cut(task.piece, parts, allowed, dive);
+    if (!next) return {};
+    const Cut cut = *next;
     const Set rest = task.piece - cut.side;
     const bool both = limited_ && cut.side.size() >= 2 && rest.size() >= 2;
     // Connections between the sides with what they need first, by repeated passes; the best one to separate last.
@@ -855,12 +948,14 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
   const std::uint64_t first_looks = std::max<std::uint64_t>(12'800'000 / (size * kWords), 500);
   constexpr std::uint64_t kForestsInRound = 8;  // the same for any number of threads
   constexpr std::uint64_t kForestExpansions = 2'000;
+  constexpr std::size_t kFirstWidth = 4;
   const World world(system);
   if (!world.gains.known()) return {};
   Result whole;  // what looking at all cuts gives
   Search<kWords> search(world, 0, budget, whole);
   Result best;
   best.method = "and-or";
+  bool peeling_pays = true;
   for (std::uint64_t round = options.first_round;; ++round) {
     const std::uint64_t longer = std::uint64_t{1} << std::min<std::uint64_t>(round, 40);
     const bool ended = search.run(first_expansions * longer, first_looks * longer);
@@ -875,6 +970,16 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
       return std::isfinite(best.reward) &&
              best.reward >= most - kRewardTolerance * std::max(1.0, std::abs(best.reward));
     };
+    if (!proved() && !ended && whole.stop == Stop::None && peeling_pays) {
+      search.peel(kFirstWidth * longer);
+      Result peeled;
+      if (whole.stop == Stop::None) take_plan(world, search, false, peeled);
+      peeling_pays = peeled.has_plan() && peeled.reward >= best.reward;
+      if (peeling_pays) {
+        best.sequence = std::move(peeled.sequence);
+        best.reward = peeled.reward;
+      }
+    }
     Stop stop = whole.stop;
     if (!proved() && !ended && stop == Stop::None && !world.graph.is_forest()) {
       std::vector<Result> results(kForestsInRound);
@@ -894,6 +999,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
         add_effort(best.statistics, result.statistics);
         if (stop == Stop::None) stop = result.stop;
         if (!result.has_plan() || result.reward <= best.reward) continue;
+        peeling_pays = false;
         best.sequence = std::move(result.sequence);
         best.reward = result.reward;
       }

@@ -23,7 +23,7 @@ namespace {
 /// Expansions for a look at whether a plan meets the bound; a few milliseconds.
 constexpr std::uint64_t kFirstLook = 5000;
 /// Expansions of the first turn of beam; each turn is four times as long as the one before.
-constexpr std::uint64_t kFirstTurn = 20'000;
+constexpr std::uint64_t kFirstTurn = 5'000;
 
 /// Whether H is small enough to build, looked at as cheaply as possible.
 bool worth_building(const TransitionSystem& system, const Budget& budget) {
