@@ -5,7 +5,8 @@
 
 Sections: expansions, bounds, growth, comparison (docs/performance.md, docs/images/growth.svg) and problems
 (docs/problems.md, from FOLDER/problems; the default folder is $ORASP_SHARED or ../shared). In the pages each section
-stands between <!-- begin: SECTION --> and <!-- end: SECTION -->. All take about a quarter of an hour. Standard library only.
+stands between <!-- begin: SECTION --> and <!-- end: SECTION -->. All take about a quarter of an hour. Standard library
+only.
 """
 import argparse
 import json
@@ -15,7 +16,6 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -24,8 +24,16 @@ SCENARIOS = ["3piece", "4brick", "4piece", "2x3", "lattice", "hubble", "hubble-f
              "jwst", "jwst-upc"]
 
 
+# A process of its own, small: what a program was started from counts as its memory, before it is the program.
+LAUNCHER = """import resource, subprocess, sys
+subprocess.run(sys.argv[1:])
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, file=sys.stderr)
+"""
+
+
 class Run:
-    """One run of `orasp solve`: its plan, exit code, wall and CPU seconds, greatest resident memory in MiB."""
+    """One run of `orasp solve`: its plan, CPU seconds, greatest resident memory in MiB (at least the launcher's 10)."""
 
     def __init__(self, problem, *options, method="auto", objective=None, limit=None):
         words = [ARGUMENTS.program, "solve", problem, "--method", method, "--json", "--quiet", *options]
@@ -33,18 +41,12 @@ class Run:
             words += ["--time-limit", str(limit)]
         if objective is not None:
             words += ["--objective", objective_file(objective)]
-        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as error:
-            begin = time.perf_counter()
-            process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=out, stderr=error)
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            self.wall = time.perf_counter() - begin
-            self.cpu = usage.ru_utime + usage.ru_stime
-            self.mebibytes = usage.ru_maxrss / 1024
-            out.seek(0)
-            text = out.read()
-            error.seek(0)
-            self.error = error.read().decode(errors="replace").strip()
+        done = subprocess.run([sys.executable, "-S", "-E", "-c", LAUNCHER, *words], stdin=subprocess.DEVNULL,
+                              capture_output=True, check=True)
+        *error, figures = done.stderr.decode(errors="replace").strip().split("\n")
+        self.cpu, self.mebibytes = map(float, figures.split())
+        self.error = "\n".join(error)
+        text = done.stdout
         self.plan = json.loads(text) if text else None
 
     @property
@@ -70,6 +72,10 @@ def figure(value):
         return "0"
     digits = max(0, 2 - math.floor(math.log10(abs(value))))
     return f"{value:,.{digits}f}"
+
+
+def limit_of_runs():
+    return f"Time limit of each run: {ARGUMENTS.limit:g} s."
 
 
 def table(head, rows):
@@ -105,12 +111,14 @@ def size_of_graph(name):
     """States of H: counted where H is small, 2^n where nothing constrains it, or the estimate of a refusal."""
     spec = json.loads(subprocess.run([ARGUMENTS.program, "scenarios", name], capture_output=True, text=True).stdout)
     if not any(key in spec for key in ("precedence", "limits", "blocking")):
-        return f"2^{len(spec['connections'])} = {figure(2.0 ** len(spec['connections']))}" \
-            if len(spec["connections"]) < 40 else f"2^{len(spec['connections'])}"
+        n = len(spec["connections"])
+        return f"{2 ** n:,}" if n < 40 else f"2^{n}"
     run = Run(name, method="value-iteration", limit=ARGUMENTS.limit)
     if run.plan is not None and run.settled:
         return f"{run.plan['statistics']['states']:,}"
-    found = re.search(r"graph: ([\d.e+,]+) states", run.error)
+    if run.plan is not None:
+        return f"> {run.plan['statistics']['states']:,}"
+    found = re.search(r"graph: (?:about )?(\S+) states", run.error)
     return f"about {found[1]}" if found else "?"
 
 
@@ -131,7 +139,7 @@ def expansions():
     half = len(SCENARIOS) // 2 + 1
     parts = [table(["method, bound"] + SCENARIOS[:half - 1], [row[:half] for row in rows]),
              table(["method, bound"] + SCENARIOS[half - 1:], [row[:1] + row[half:] for row in rows])]
-    write_section("docs/performance.md", "expansions", "\n\n".join(parts))
+    write_section("docs/performance.md", "expansions", limit_of_runs() + "\n\n" + "\n\n".join(parts))
 
 
 def bounds():
@@ -145,7 +153,8 @@ def bounds():
                            limit=ARGUMENTS.limit)) for bound in names]
         rows.append(row)
         print(" ".join(row), file=sys.stderr, flush=True)
-    write_section("docs/performance.md", "bounds", table(["problem, objective"] + names, rows))
+    write_section("docs/performance.md", "bounds",
+                  limit_of_runs() + "\n\n" + table(["problem, objective"] + names, rows))
 
 
 # ---------------------------------------------------------------------------------------------------------------------
@@ -155,7 +164,7 @@ SERIES = [  # name, colour, mark, method, objective
     ("auto, size of the piece", "#7b3fa0", "diamond", "auto", SIZES),
     ("a-star, cubesat", "#c4561b", "square", "a-star", None),
     ("beam, cubesat", "#2c8a4b", "triangle", "beam", None),
-    ("value-iteration, cubesat", "#555555", "cross", "value-iteration", None),
+    ("value-iteration, cubesat", "#444444", "wedge", "value-iteration", None),
 ]
 FAMILIES = [
     ("chains", [f"chain:{n + 1}" for n in (4, 8, 12, 16, 20, 24, 32, 64, 128, 256, 512, 1024)]),
@@ -198,8 +207,9 @@ def growth():
             n, seconds, mebibytes, _ = proved[-1]
             rows.append([family, name, f"{n:,}", figure(seconds), figure(mebibytes)])
     head = ["family", "method, objective", "most connections proved", "seconds", "MiB of the process"]
-    write_section("docs/performance.md", "growth", "![Time and memory against the number of connections, for chains, grids and "
-                  "trees](images/growth.svg)\n\n" + table(head, rows))
+    write_section("docs/performance.md", "growth",
+                  "![Time and memory against the number of connections, for chains, grids and trees](images/growth.svg)\n\n"
+                  + limit_of_runs() + "\n\n" + table(head, rows))
 
 
 def drawn(points):
@@ -207,11 +217,12 @@ def drawn(points):
     left, top, width, height, gap = 64, 64, 250, 210, 26
     most_x = (3, 1500)
     total_width = left + 3 * width + 2 * gap + 16
-    total_height = top + 2 * height + gap + 50 + 46
+    total_height = top + 2 * height + gap + 50 + 62
+    title = "Time and memory against the number of connections"
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total_width} {total_height}" '
            'font-family="sans-serif" font-size="12" fill="#222">',
            f'<rect width="{total_width}" height="{total_height}" fill="white"/>',
-           f'<text x="{left}" y="24" font-size="15" font-weight="bold">Time and memory against the number of connections</text>']
+           f'<text x="{left}" y="24" font-size="15" font-weight="bold">{title}</text>']
     rows = [("seconds", 1, (1e-5, 30)), ("MiB of the process", 2, (4, 8192))]
 
     def scaled(value, least, most, begin, length):
@@ -228,7 +239,8 @@ def drawn(points):
         for f, (family, _) in enumerate(FAMILIES):
             x0 = left + f * (width + gap)
             if r == 0:
-                out.append(f'<text x="{x0 + width / 2}" y="{top - 10}" text-anchor="middle" font-size="13">{family}</text>')
+                out.append(f'<text x="{x0 + width / 2}" y="{top - 10}" text-anchor="middle" font-size="13">{family}'
+                           '</text>')
             out.append(f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>')
             for value, label in ticks:
                 y = scaled(value, least, most, y0 + height, -height)
@@ -252,14 +264,14 @@ def drawn(points):
         middle = y0 + height / 2
         out.append(f'<text x="14" y="{middle}" text-anchor="middle" transform="rotate(-90 14 {middle})">{unit}</text>')
     x = left
-    y = total_height - 14
+    y = total_height - 34
     for name, colour, mark, *_ in SERIES:
         out.append(f'<line x1="{x}" y1="{y - 4}" x2="{x + 22}" y2="{y - 4}" stroke="{colour}" stroke-width="1.6"/>')
         out.append(marked(mark, x + 11, y - 4, colour, True))
         out.append(f'<text x="{x + 28}" y="{y}">{name}</text>')
-        x += 40 + 6.7 * len(name)
-    out.append(f'<text x="{total_width - 16}" y="24" text-anchor="end">hollow: stopped after {ARGUMENTS.limit:g} s, or by its '
-               'memory, without a proof</text>')
+        x += 44 + 6.9 * len(name)
+    out.append(f'<text x="{left}" y="{total_height - 10}">Hollow: stopped after {ARGUMENTS.limit:g} s without a proof. '
+               'Small problems: the memory of any process.</text>')
     return "\n".join(out) + "\n</svg>\n"
 
 
@@ -268,8 +280,7 @@ def marked(mark, x, y, colour, filled):
     shapes = {"circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.4" {paint}/>',
               "square": f'<rect x="{x - 3.2:.1f}" y="{y - 3.2:.1f}" width="6.4" height="6.4" {paint}/>'}
     corners = {"diamond": [(0, -4.4), (4.4, 0), (0, 4.4), (-4.4, 0)], "triangle": [(0, -4.2), (4, 3.2), (-4, 3.2)],
-               "cross": [(-3, -4), (0, -1), (3, -4), (4, -3), (1, 0), (4, 3), (3, 4), (0, 1), (-3, 4), (-4, 3), (-1, 0),
-                         (-4, -3)]}
+               "wedge": [(0, 4.2), (4, -3.2), (-4, -3.2)]}
     if mark in shapes:
         return shapes[mark]
     return f'<polygon points="{" ".join(f"{x + dx:.1f},{y + dy:.1f}" for dx, dy in corners[mark])}" {paint}/>'
@@ -312,12 +323,13 @@ def problems():
             rows.append([path.stem, str(len(spec["parts"])), str(len(spec["connections"])), reward, status,
                          figure(run.seconds)])
             print(" ".join(rows[-1]), file=sys.stderr, flush=True)
-        texts.append(f"## {kind.capitalize()}\n\n{len(rows)} files, {proved} of them proved, {figure(total)} s in all.\n\n"
+        texts.append(f"## {kind.capitalize()}\n\n{len(rows)} files, {proved} proved, {figure(total)} s in all.\n\n"
                      + table(["file", "parts", "connections", "reward", "status", "seconds"], rows))
     write_section("docs/problems.md", "problems", "\n\n".join(texts))
 
 
-SECTIONS = {"expansions": expansions, "bounds": bounds, "growth": growth, "comparison": comparison, "problems": problems}
+SECTIONS = {"expansions": expansions, "bounds": bounds, "growth": growth, "comparison": comparison,
+            "problems": problems}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
