@@ -83,6 +83,23 @@ void on_held_graph(benchmark::State& state, const std::string& name, const std::
   }
 }
 
+void dense(benchmark::State& state, const std::string& name,
+           orasp::DenseValueIterationOptions::Values values) {
+  const orasp::Problem problem = orasp::load_scenario(name);
+  const orasp::TransitionSystem system(problem);
+  const orasp::Budget budget = budget_with(state.range(0));
+  double actions = 0;
+  double bytes = 0;
+  for (auto _ : state) {
+    const orasp::Result result = orasp::dense_value_iteration(system, {.values = values}, budget);
+    actions = static_cast<double>(result.statistics.generated);
+    bytes = static_cast<double>(result.statistics.peak_bytes);
+  }
+  state.counters["actions/s"] =
+      benchmark::Counter(actions, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["bytes"] = bytes;
+}
+
 BENCHMARK_CAPTURE(expand, hubble_free, "hubble-free")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(expand, hubble_upc, "hubble-upc")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(expand, grid_3x5, "grid:3x5")->Unit(benchmark::kMillisecond);
@@ -98,6 +115,19 @@ ORASP_GRAPH(hubble_free, "hubble-free", "cubesat");
 ORASP_GRAPH(hubble_free_fuel, "hubble-free", "fuel");
 ORASP_GRAPH(hubble_upc, "hubble-upc", "cubesat");
 ORASP_GRAPH(grid_3x5, "grid:3x5", "cubesat");
+
+// `iss` takes a minute and 8 GiB: benchmarks/whole_process.py --iss.
+#define ORASP_DENSE(label, scenario, values)                                                   \
+  BENCHMARK_CAPTURE(dense, label, scenario, orasp::DenseValueIterationOptions::Values::values) \
+      ->Arg(1)                                                                                 \
+      ->Arg(2)                                                                                 \
+      ->UseRealTime()                                                                          \
+      ->Unit(benchmark::kMillisecond)
+ORASP_DENSE(hubble_free, "hubble-free", Double);
+ORASP_DENSE(hubble_free_fixed_point, "hubble-free", FixedPoint);
+ORASP_DENSE(tree_24, "tree:24:1", Double);
+ORASP_DENSE(tree_24_fixed_point, "tree:24:1", FixedPoint);
+ORASP_DENSE(grid_3x5, "grid:3x5", Double);
 
 #define ORASP_HELD(label, method)                                \
   BENCHMARK_CAPTURE(on_held_graph, label, "hubble-free", method) \

@@ -1,12 +1,18 @@
 #!/usr/bin/env python3
-"""Wall time of whole runs of the program: benchmarks/whole_process.py [PROGRAM] [RUNS]; a Markdown table."""
+"""Wall time of whole runs of the program: benchmarks/whole_process.py [PROGRAM] [RUNS]; a Markdown table.
+
+benchmarks/whole_process.py --iss [PROGRAM] runs value-iteration on `iss` once, with its largest memory: 8 GiB, a minute.
+"""
+import resource
 import statistics
 import subprocess
 import sys
 import time
 
-PROGRAM = sys.argv[1] if len(sys.argv) > 1 else "build/release/orasp"
-RUNS = int(sys.argv[2]) if len(sys.argv) > 2 else 40
+ISS = "--iss" in sys.argv
+WORDS = [word for word in sys.argv[1:] if word != "--iss"]
+PROGRAM = WORDS[0] if len(WORDS) > 0 else "build/release/orasp"
+RUNS = int(WORDS[1]) if len(WORDS) > 1 else 40
 CASES = [["--version"]]
 CASES += [["solve", "hubble", "--method", m] for m in
           ("auto", "value-iteration", "dijkstra", "bellman-ford", "orasp-search")]
@@ -19,6 +25,13 @@ def wall(case):
     subprocess.run([PROGRAM, *case], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
     return (time.perf_counter() - begin) * 1e3
 
+
+if ISS:
+    seconds = wall(["solve", "iss", "--method", "value-iteration"]) / 1e3
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"iss: {seconds:.1f} s, processor {usage.ru_utime:.1f} s, kernel {usage.ru_stime:.1f} s, "
+          f"largest {usage.ru_maxrss / 2**20:.2f} GiB")
+    sys.exit()
 
 print("| command | least ms | median ms |\n|---|---|---|")
 for case in CASES:

@@ -67,6 +67,8 @@ struct Expander::Scratch {
 
   std::vector<Action> actions;
   std::vector<std::unique_ptr<Formula>> formulas;  ///< by term
+  /// By term, for formulas of sizes alone: values met so far, NaN before; at ((moved + kept)^2 / 4 + moved) * 2 + completes.
+  mutable std::vector<std::vector<double>> tables;
   std::vector<std::uint64_t> present_words;        ///< assembly: complement of the open set
   detail::Connectivity connectivity;
   Side
@@ -91,6 +93,8 @@ struct Expander::Scratch {
   [[nodiscard]] std::optional<double> distance(bool a_moves, const Vector3& depot) const;
   [[nodiscard]] double reward(const Facts& facts);
   [[nodiscard]] double counting_reward(const Term& term, const Facts& facts) const;
+  [[nodiscard]] double sized_expression(const Term& term, const Facts& facts) const;
+  [[nodiscard]] double checked(double reward, const Facts& facts) const;
   [[nodiscard]] double moving_reward(const Term& term, std::size_t index, const Facts& facts,
                                      const Movement& movement);
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
@@ -106,6 +110,7 @@ Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::R
   actions.resize(problem.num_connections());
   for (const Term& term : rules.terms) {
     std::unique_ptr<Formula>& formula = formulas.emplace_back();
+    tables.emplace_back();
     if (term.kind != TermKind::Expression) continue;
     if (!term.expression->compiler) {
       throw InputError(
@@ -291,20 +296,40 @@ std::optional<double> Expander::Scratch::distance(bool a_moves, const Vector3& d
   return std::hypot(sum[0] / n - depot[0], sum[1] / n - depot[1], sum[2] / n - depot[2]);
 }
 
+double Expander::Scratch::checked(double reward, const Facts& facts) const {
+  if (std::isfinite(reward)) return reward;
+  throw InputError(
+      "objective: the reward of " + std::string(rules.assembly ? "making " : "removing ") +
+      detail::in_quotes(problem.connection_id(facts.connection)) + " with " +
+      std::to_string(facts.before) + " connections present is " +
+      (std::isnan(reward) ? "not a number" : "infinite") + "; rewards must be finite");
+}
+
+// A formula of sizes alone: a hundred times quicker from a table.
+double Expander::Scratch::sized_expression(const Term& term, const Facts& facts) const {
+  const std::size_t moved = std::min(facts.a_parts, facts.b_parts);
+  const std::size_t parts = facts.a_parts + facts.b_parts;
+  std::vector<double>& table = tables[term.index];
+  const std::size_t place = (parts * parts / 4 + moved) * 2 + (facts.completes ? 1 : 0);
+  if (place >= table.size()) table.resize(place + 1, std::numeric_limits<double>::quiet_NaN());
+  double& value = table[place];
+  if (std::isnan(value)) {
+    FormulaVariables variables;
+    variables.separates = facts.separates ? 1 : 0;
+    variables.completes = facts.completes ? 1 : 0;
+    variables.moved_parts = static_cast<double>(moved);
+    variables.kept_parts = static_cast<double>(parts - moved);
+    value = checked(formulas[term.index]->value(variables), facts);
+  }
+  return value;
+}
+
 // The objectives that look inside the pieces.
 double Expander::Scratch::moving_reward(const Term& term, std::size_t index, const Facts& facts,
                                         const Movement& movement) {
   const ConnectionIndex c = facts.connection;
   const double duration = problem.connections()[c].duration;
   const double moved_parts = std::min(facts.a_parts, facts.b_parts);
-  const auto checked = [&](double value) {
-    if (std::isfinite(value)) return value;
-    throw InputError(
-        "objective: the reward of " + std::string(rules.assembly ? "making " : "removing ") +
-        detail::in_quotes(problem.connection_id(c)) + " with " + std::to_string(facts.before) +
-        " connections present is " + (std::isnan(value) ? "not a number" : "infinite") +
-        "; rewards must be finite");
-  };
   switch (term.kind) {
     case TermKind::Time: {
       if (!facts.separates) return 0.0 - duration;
@@ -333,9 +358,9 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
         variables.kept_mass = movement.kept_mass;
         variables.distance = distance(movement.a_moves, term.depot).value_or(0);
       }
-      return checked(formulas[index]->value(variables));
+      return checked(formulas[index]->value(variables), facts);
     }
-    case TermKind::Callable: return checked(term.callable->reward(full_step(facts)));
+    case TermKind::Callable: return checked(term.callable->reward(full_step(facts)), facts);
     default: break;
   }
   assert(false);
@@ -364,6 +389,7 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
       const double duration = problem.connections()[facts.connection].duration;
       return facts.separates ? time_reward(term, duration, std::nullopt) : 0.0 - duration;
     }
+    case TermKind::Expression: return sized_expression(term, facts);
     default: return size_reward(term, facts.a_parts, facts.b_parts, facts.completes, false);
   }
 }

@@ -148,7 +148,9 @@ class Search {
         budget_(budget),
         allowed_bytes_(allowed_bytes(budget)),
         result_(result),
-        by_sizes_(world.system.gain_by_sizes() && !problem_.limits().max_moved_mass &&
+        bounded_(world.gains.sizes_known() || world.gains.parts_known()),
+        by_sizes_(world.system.gain_by_sizes() && world.gains.sizes_known() &&
+                  !problem_.limits().max_moved_mass &&
                   problem_.directions() == 0),
         by_connection_(world.system.gain_by_connection()),
         limited_(problem_.limits().max_subassemblies.has_value()),
@@ -229,17 +231,13 @@ class Search {
     bool side_waits;   ///< the rest is finished first
   };
 
-  [[nodiscard]] double upper(const Set& set, std::size_t parts) const {
+  [[nodiscard]] double upper(const Set& set, std::size_t parts) {
+    if (!bounded_) return 0;
     double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
     if (gains_.parts_known()) {
-      double sum = 0;
-      double least = 0;
-      set.for_each([&](std::size_t part) {
-        const double gain = gains_.part_gain(static_cast<PartIndex>(part));
-        sum += gain;
-        least = std::min(least, gain);
-      });
-      bound = std::min(bound, sum - least);
+      upper_list_.clear();
+      set.for_each([&](std::size_t part) { upper_list_.push_back(static_cast<PartIndex>(part)); });
+      bound = std::min(bound, gains_.by_parts(upper_list_));
     }
     return bound;
   }
@@ -254,11 +252,12 @@ class Search {
     result[kWords] = limited_ ? useful(allowed, set.size()) : 0;
     return result;
   }
+  [[nodiscard]] double unknown_loss() const { return bounded_ ? 0 : -kInfinity; }
   /// What is known of the loss of a piece: at least this much.
   [[nodiscard]] double known_loss(const Set& set, std::size_t parts, std::size_t allowed) const {
     if (parts == 1) return 0;
     const std::uint32_t number = memo_.find(key(set, allowed).data());
-    return number == detail::StateTable<kWords + 1>::kAbsent ? 0 : loss_[number];
+    return number == detail::StateTable<kWords + 1>::kAbsent ? unknown_loss() : loss_[number];
   }
 
   [[nodiscard]] bool is_exact(const Set& set, std::size_t allowed) const {
@@ -275,7 +274,7 @@ class Search {
     const std::size_t parts = piece.size();
     const double scale = upper(piece, parts);
     parts_scale_ = scale;
-    double limit = known_loss(piece, parts, allowed) + slack(scale);
+    double limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity;
     double step = slack(scale);
     // A dive that goes wrong high up tries every way to fail further down: so each try ends after a while, and the next
     // takes equal cuts in another order. What was proved stays.
@@ -286,7 +285,7 @@ class Search {
       try_ends_ = result_.statistics.expanded + patience;
       const double loss = search(piece, parts, allowed, limit);
       if (interrupted_ && result_.stop == Stop::None && !gave_up_) {
-        patience += patience / 4;
+        patience *= 2;
         ++salt_;
         continue;
       }
@@ -301,6 +300,64 @@ class Search {
     }
   }
 
+  /// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more than sizes tell.
+  double first_loss(const Set& piece, std::size_t parts) {
+    if (!gains_.sizes_known() || parts < 3) return unknown_loss();
+    const double most = gains_.by_arms(parts, arms(piece));
+    return std::max(0.0, upper(piece, parts) - most - slack(parts_scale_));
+  }
+
+  /// The most components that a piece falls into without one of its parts. Reference: articulation points by depth-first
+  /// search, Hopcroft and Tarjan (1973), Comm. ACM 16(6), 372-378.
+  std::size_t arms(const Set& piece) {
+    std::size_t most = 1;
+    if (graph_.is_forest()) {
+      piece.for_each([&](std::size_t part) {
+        most = std::max(most, (neighbours_[part] & piece).size());
+      });
+      return most;
+    }
+    constexpr std::uint32_t kUnmet = 0;
+    met_.assign(problem_.num_parts(), kUnmet);
+    low_.resize(problem_.num_parts());
+    struct Frame {
+      PartIndex part;
+      PartIndex from;
+      std::uint32_t next;
+      std::size_t arms;
+    };
+    std::vector<Frame> path;
+    std::uint32_t time = 0;
+    const auto root = static_cast<PartIndex>(piece.first());
+    const auto enter = [&](PartIndex part, PartIndex from) {
+      met_[part] = low_[part] = ++time;
+      path.push_back({part, from, 0, from == kNoPart ? std::size_t{0} : std::size_t{1}});
+    };
+    enter(root, kNoPart);
+    while (!path.empty()) {
+      Frame& frame = path.back();
+      const auto around = graph_.around(frame.part);
+      if (frame.next < around.size()) {
+        const PartIndex other = around[frame.next++].other;
+        if (!piece.contains(other) || other == frame.from) continue;
+        if (met_[other] == kUnmet) {
+          enter(other, frame.part);
+        } else {
+          low_[frame.part] = std::min(low_[frame.part], met_[other]);
+        }
+        continue;
+      }
+      const Frame done = frame;
+      most = std::max(most, done.arms);
+      path.pop_back();
+      if (path.empty()) break;
+      Frame& above = path.back();
+      low_[above.part] = std::min(low_[above.part], low_[done.part]);
+      if (low_[done.part] >= met_[above.part]) ++above.arms;
+    }
+    return most;
+  }
+
   /// The least loss of a piece where it is within `limit`; otherwise a lower bound on it, above `limit`.
   double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit) {
     if (parts == 1) return 0;
@@ -308,7 +365,7 @@ class Search {
     if (limited_) allowed = useful(allowed, parts);
     const auto [number, is_new] = memo_.insert(key(piece, allowed).data());
     if (is_new) {
-      loss_.push_back(0);
+      loss_.push_back(first_loss(piece, parts));
       exact_.push_back(0);
     }
     if (exact_[number] != 0 || loss_[number] > limit || stopped())
@@ -332,7 +389,7 @@ class Search {
               });
     double best = kInfinity;
     const std::size_t end = cuts_.size();
-    const double tie = slack(limit);
+    const double tie = slack(parts_scale_);
     for (std::size_t i = begin; i < end && !stopped(); ++i) {
       const Cut cut = cuts_[i];
       const double most = std::min(limit, best - tie);
@@ -354,16 +411,19 @@ class Search {
       const std::size_t one_allowed = side_first ? side_allowed : rest_allowed;
       const std::size_t other_allowed = side_first ? rest_allowed : side_allowed;
       double other_loss = known_loss(other, parts - one_parts, other_allowed);
-      const double one_loss = search(one, one_parts, one_allowed, most - cut.own_loss - other_loss);
-      double total = cut.own_loss + one_loss + other_loss;
+      // A loss above the limit it was asked for is a lower bound only, however the sums are rounded.
+      const double one_limit = most - cut.own_loss - other_loss;
+      const double one_loss = search(one, one_parts, one_allowed, one_limit);
+      bool solved = one_loss <= one_limit;
       ++result_.statistics.generated;
-      if (total <= most) {
-        other_loss =
-            search(other, parts - one_parts, other_allowed, most - cut.own_loss - one_loss);
-        total = cut.own_loss + one_loss + other_loss;
+      if (solved) {
+        const double other_limit = most - cut.own_loss - one_loss;
+        other_loss = search(other, parts - one_parts, other_allowed, other_limit);
+        solved = other_loss <= other_limit;
       }
+      const double total = cut.own_loss + one_loss + other_loss;
       if (stopped()) break;
-      if (total <= most) {
+      if (solved) {
         best = total;
       } else {
         next = std::min(next, total);
@@ -371,11 +431,12 @@ class Search {
     }
     cuts_.resize(begin);
     if (stopped()) return loss_[number];
-    if (best <= limit) {
+    if (best < kInfinity) {
       loss_[number] = best;
       exact_[number] = 1;
     } else {
-      loss_[number] = std::max(loss_[number], next);
+      // It is above the limit, also where the sums are rounded onto it.
+      loss_[number] = std::max({loss_[number], next, std::nextafter(limit, kInfinity)});
       if (next == kInfinity) exact_[number] = 1;
     }
     return loss_[number];
@@ -613,6 +674,7 @@ class Search {
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
+  bool bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and may be negative
   bool by_sizes_;
   bool by_connection_;
   bool limited_;
@@ -629,6 +691,9 @@ class Search {
   std::vector<unsigned char> wanted_;
   std::vector<unsigned char> gone_;
   std::vector<PartIndex> queue_;
+  std::vector<std::uint32_t> met_;
+  std::vector<std::uint32_t> low_;
+  std::vector<PartIndex> upper_list_;
   std::vector<PartIndex> side_list_;
   std::vector<PartIndex> rest_list_;
   double parts_scale_ = 0;  ///< size of the bound of the piece at hand: what rounding is measured by
@@ -684,7 +749,7 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     if (!known && !dive) return {};
     list_cuts(task.piece, parts, allowed,
               known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity);
-    const auto chosen = std::ranges::min_element(cuts_, {}, [&](const Cut& cut) {
+    const auto promise = [&](const Cut& cut) {
       // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
       const Set rest = task.piece - cut.side;
       const std::size_t side_parts = cut.side.size();
@@ -693,8 +758,9 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
           is_exact(cut.side, both && !cut.side_waits ? allowed - 1 : allowed) &&
           is_exact(rest, both && cut.side_waits ? allowed - 1 : allowed);
       return solved || !known ? cut.estimate : kInfinity;
-    });
-    if (chosen == cuts_.end()) return {};
+    };
+    const auto chosen = std::ranges::min_element(cuts_, {}, promise);
+    if (chosen == cuts_.end() || promise(*chosen) == kInfinity) return {};
     const Cut cut = *chosen;
     const Set rest = task.piece - cut.side;
     const bool both = limited_ && cut.side.size() >= 2 && rest.size() >= 2;
@@ -762,24 +828,12 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
   return steps.size() == connections ? steps : std::vector<ConnectionIndex>{};
 }
 
-/// The reward of a sequence of legal steps.
-double reward_of(const TransitionSystem& system, const std::vector<ConnectionIndex>& sequence) {
-  Expander expander(system);
-  ConnectionSet open = system.start();
-  double reward = 0;
-  for (const ConnectionIndex c : sequence) {
-    reward += expander.step(open.view(), c).reward;
-    open.erase(c);
-  }
-  return reward;
-}
-
 /// The plan that the search has found, if it can be carried out.
 template <std::size_t kWords>
 void take_plan(const World& world, Search<kWords>& search, bool dive, Result& result) {
   std::vector<ConnectionIndex> sequence = search.sequence(dive);
   if (sequence.size() != world.system.num_connections()) return;
-  result.reward = reward_of(world.system, sequence);
+  result.reward = detail::reward_of(world.system, sequence);
   result.sequence = std::move(sequence);
   result.status = Status::Feasible;
 }
@@ -795,19 +849,21 @@ void add_effort(Statistics& sum, const Statistics& part) {
 /// turn, each time for longer.
 template <std::size_t kWords>
 Result planned(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
-  constexpr std::uint64_t kFirstExpansions = 20'000;
-  constexpr std::uint64_t kFirstLooks = 200'000;
+  // Of the first round: some tenths of a second at any size.
+  const std::uint64_t size = std::max<std::uint64_t>(system.problem().num_parts(), 1);
+  const std::uint64_t first_expansions = std::clamp<std::uint64_t>(2'500'000 / size, 2'000, 20'000);
+  const std::uint64_t first_looks = std::max<std::uint64_t>(12'800'000 / (size * kWords), 500);
   constexpr std::uint64_t kForestsInRound = 8;  // the same for any number of threads
   constexpr std::uint64_t kForestExpansions = 2'000;
   const World world(system);
-  if (!world.gains.sizes_known() && !world.gains.parts_known()) return {};
+  if (!world.gains.known()) return {};
   Result whole;  // what looking at all cuts gives
   Search<kWords> search(world, 0, budget, whole);
   Result best;
   best.method = "and-or";
   for (std::uint64_t round = options.first_round;; ++round) {
     const std::uint64_t longer = std::uint64_t{1} << std::min<std::uint64_t>(round, 40);
-    const bool ended = search.run(kFirstExpansions * longer, kFirstLooks * longer);
+    const bool ended = search.run(first_expansions * longer, first_looks * longer);
     const double most = whole.bound.value_or(kInfinity);
     if (ended && most == -kInfinity) return detail::exhausted("and-or", whole.statistics);
     if (ended) take_plan(world, search, false, whole);
@@ -848,7 +904,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
       stop = Stop::ExpansionLimit;
     }
     add_effort(best.statistics, whole.statistics);
-    best.bound = most;
+    if (std::isfinite(most)) best.bound = most;
     if (!best.sequence.empty() || system.num_connections() == 0) best.status = Status::Feasible;
     if (proved()) {
       best.status = Status::Optimal;
@@ -882,11 +938,16 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
         "a-star or beam instead");
   }
   const std::size_t words = (system.problem().num_parts() + 63) / 64;
-  Result result = words <= 1   ? planned<1>(system, options, budget)
-                  : words <= 2 ? planned<2>(system, options, budget)
-                  : words <= 4 ? planned<4>(system, options, budget)
-                  : words <= 8 ? planned<8>(system, options, budget)
-                               : planned<16>(system, options, budget);
+  Result result;
+  try {
+    result = words <= 1   ? planned<1>(system, options, budget)
+             : words <= 2 ? planned<2>(system, options, budget)
+             : words <= 4 ? planned<4>(system, options, budget)
+             : words <= 8 ? planned<8>(system, options, budget)
+                          : planned<16>(system, options, budget);
+  } catch (const InputError&) {
+    // A formula without a value for a cut that no plan may ever make: what follows meets it if one does.
+  }
   if (!result.has_plan() && result.status != Status::Infeasible) {
     // The cut tree could not be carried out, or there was no time for one.
     Result other = result.stop == Stop::None

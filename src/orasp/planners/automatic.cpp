@@ -1,6 +1,7 @@
 #include "orasp/planners/automatic.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -9,6 +10,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/bounds.h"
+#include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/detail/planner_support.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/state_graph.h"
@@ -20,7 +22,7 @@ namespace {
 
 /// Expansions for a look at whether a plan meets the bound; a few milliseconds.
 constexpr std::uint64_t kFirstLook = 5000;
-/// Expansions of the first turn of beam; each turn is twice as long as the one before.
+/// Expansions of the first turn of beam; each turn is four times as long as the one before.
 constexpr std::uint64_t kFirstTurn = 20'000;
 
 /// Whether H is small enough to build, looked at as cheaply as possible.
@@ -30,6 +32,21 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
   if (most.actions <= kAutomaticMostActions && most.bytes <= allowed) return true;
   const GraphEstimate estimate = estimate_graph(system);
   return estimate.actions <= kAutomaticMostActions && estimate.bytes <= allowed;
+}
+
+/// After so many turns all subsets of the connections are gone through, where there is memory and time for that.
+constexpr std::uint64_t kTurnsBeforeDense = 3;
+
+double seconds_left(const Budget& budget) {
+  return std::chrono::duration<double>(*budget.deadline - Budget::Clock::now()).count();
+}
+
+/// About how long dense value iteration takes, on the safe side (docs/performance.md: 14 to 28 ns an action).
+double dense_seconds(const TransitionSystem& system, const Budget& budget) {
+  constexpr double kSecondsPerAction = 4e-8;
+  const auto connections = static_cast<double>(system.num_connections());
+  return connections * std::exp2(connections - 1) * kSecondsPerAction /
+         std::max(1U, budget.threads);
 }
 
 /// What is known so far: the best plan and the least bound of all methods, and what they did.
@@ -113,7 +130,7 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
   const bool by_pieces = and_or_applies(system);
   bool pieces_ended = !by_pieces;
   const auto look_at_pieces = [&](std::uint64_t round) {
-    const Result result = and_or(system, {.first_round = round, .rounds = 1}, budget);
+    const Result result = and_or(system, {.first_round = 2 * round, .rounds = 2}, budget);
     findings.add(result);
     if (result.stop == Stop::None) pieces_ended = true;
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
@@ -136,10 +153,11 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
   // In turn until the limit, each turn twice as long as the one before.
   std::string how = by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
                               : "beam, since the state-action graph is too large to build";
+  bool may_be_dense = dense_values_safe(system) && dense_table_fits(system, budget);
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
     Budget some = budget;
     if (!pieces_ended) {
-      some.max_expansions = kFirstTurn << std::min<std::uint64_t>(turn, 40);
+      some.max_expansions = kFirstTurn << std::min<std::uint64_t>(2 * turn, 40);
       some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
     }
     const Result passes = beam(system, {.incumbent = &findings.best()}, some);
@@ -150,6 +168,15 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
     if (findings.settled() || stop != Stop::None) break;
     if (passes.status == Status::Optimal) break;
     if (!pieces_ended) stop = look_at_pieces(turn + 1);
+    if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())
+      continue;
+    may_be_dense = false;
+    if (budget.deadline && seconds_left(budget) < dense_seconds(system, budget)) continue;
+    const Result dense = dense_value_iteration(system, {}, budget);
+    findings.add(dense);
+    stop = dense.stop;
+    how += ", then value iteration over all subsets of connections";
+    if (dense.stop == Stop::None) break;
   }
   return findings.answer(stop, how);
 }

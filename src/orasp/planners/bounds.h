@@ -5,11 +5,16 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "orasp/model/transition_system.h"
 
 namespace orasp {
+
+namespace detail {
+class AssemblyGraph;
+}
 
 /// Rewards of plans are sums of up to thousands of binary numbers; smaller differences are not
 /// real.
@@ -88,16 +93,37 @@ class PieceGains {
   /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller of a, b at most
   /// max_moved_parts. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
   [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
+  /// The same for a piece that falls into `arms` components without some part v: each side of a cut without v lies within
+  /// one of them, so v sees at least as many cuts as there are arms:
+  ///
+  ///     g(n, k) = max over a + b = n of gain(a, b) + g(a) + g(b, k - 1),   b > k - 1,   v in the side of b.
+  ///
+  /// It tells a hub from a chain. Up to kMostArms, more count as that many, and up to
+  /// 512 parts, beyond which it is by_size.
+  static constexpr std::size_t kMostArms = 64;
+  [[nodiscard]] double by_arms(std::size_t parts, std::size_t arms) const;
+
   /// The most that a cut into so many parts gains; -infinity where max_moved_parts forbids it.
   [[nodiscard]] double gain(std::size_t moved, std::size_t kept) const;
-  /// By what moves: every part but one of a piece ends as the last of what was moved in some cut (follow the side that
-  /// stays), a different cut for each part. `part_gain(p)` is the most that a cut gains which moves a piece with p, and
-  /// the bound of a piece is the sum over its parts less the least of them.
-  [[nodiscard]] double part_gain(PartIndex part) const { return part_gain_[part]; }
+  /// By what moves: the sum of prices y(p) <= 0 over the parts of the piece, less the least of them.
+  ///
+  /// Simple prices: every part but one of a piece ends as the last of what was moved in some cut (follow the side that
+  /// stays), a different cut for each part; y(p) is the most that a cut gains which moves a piece with p.
+  ///
+  /// Where at most three parts ever move, better ones. Let w(M) be what moving M gains and what M, on its own, gains
+  /// from there on; M runs over all connected sets of up to three parts. If the prices of each M add up to w(M) or more,
+  /// then what is taken off a piece gains at most its prices, so all of it at most the sum without the part that stays
+  /// last. The least such prices are a linear program, the dual of covering the parts with moved pieces; they are found
+  /// nearly by subgradients and then repaired, so that they are always valid. Pieces of up to three parts have their
+  /// exact value, which keeps the bound consistent. Reference: Held and Karp (1971), Math. Programming 1, 6-25.
+  [[nodiscard]] double by_parts(std::span<const PartIndex> piece) const;
 
  private:
+  static constexpr std::size_t kMostPartsWithArms = 512;
   void measure_sizes(Expander& expander, const Problem& problem);
+  void measure_arms(const Problem& problem);
   void measure_parts(Expander& expander, const Problem& problem);
+  void lower_prices(Expander& expander, const Problem& problem, const detail::AssemblyGraph& graph);
 
   bool known_ = false;
   bool sizes_known_ = false;
@@ -106,8 +132,11 @@ class PieceGains {
   std::size_t most_moved_ = 0;
   std::vector<double> own_;
   std::vector<double> by_size_;
+  std::vector<std::vector<double>> by_arms_;  ///< from two arms on, by parts
   std::vector<double> gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
-  std::vector<double> part_gain_;
+  std::vector<double> prices_;
+  /// Exact values of connected sets of two and three parts, by their parts in ascending order; empty with simple prices.
+  std::unordered_map<std::uint64_t, double> small_;
 };
 
 /// The bound from piece sizes, from what is moved, or for each piece the better of the two.
@@ -136,7 +165,7 @@ class PieceBound final : public Bound {
 
  private:
   struct Scratch;
-  [[nodiscard]] double of_piece(std::size_t parts, double sum, double least) const;
+  [[nodiscard]] double of_piece(std::span<const PartIndex> piece) const;
 
   PieceGains gains_;
   bool sizes_ = false;

@@ -72,7 +72,7 @@ struct Result {
   std::vector<std::string> notes;
   /// value-iteration: best reward still to come from each state of H; bellman-ford: best reward
   /// from the start to each state of H (indexed by StateId, -infinity where there is none). Empty
-  /// for other planners.
+  /// for other planners, and where value-iteration did without H.
   std::vector<double> values;
 
   [[nodiscard]] bool has_plan() const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include <unistd.h>
 
@@ -568,30 +569,52 @@ GraphEstimate estimate_without_constraints(const TransitionSystem& system) {
   return {states, actions, graph_bytes(system, states, actions, widest), true};
 }
 
-GraphEstimate estimate_graph(const TransitionSystem& system) {
+bool unconstrained(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   const Limits& limits = problem.limits();
-  const bool free = problem.precedence().empty() && !problem.directions() &&
-                    !limits.max_subassemblies && !limits.max_moved_parts && !limits.max_moved_mass;
-  return free ? estimate_without_constraints(system) : sampled(system);
+  return problem.precedence().empty() && !problem.directions() && !limits.max_subassemblies &&
+         !limits.max_moved_parts && !limits.max_moved_mass;
+}
+
+GraphEstimate estimate_graph(const TransitionSystem& system) {
+  return unconstrained(system) ? estimate_without_constraints(system) : sampled(system);
+}
+
+namespace {
+
+/// An estimate of a size that does not fit; empty if it does. `slack`: how far an estimate by sampling may exceed what
+/// is allowed.
+std::optional<GraphEstimate> too_large(const TransitionSystem& system, double allowed,
+                                       double slack) {
+  // Constraints only take states away: where all subsets fit there is nothing to estimate.
+  if (estimate_without_constraints(system).bytes <= allowed) return std::nullopt;
+  const GraphEstimate estimate = estimate_graph(system);
+  if (estimate.exact) slack = 1;
+  if (estimate.bytes <= slack * allowed &&
+      estimate.states <= slack * static_cast<double>(kMostStates))
+    return std::nullopt;
+  return estimate;
+}
+
+}  // namespace
+
+bool graph_fits(const TransitionSystem& system, const Budget& budget) {
+  return !too_large(system, static_cast<double>(allowed_bytes(budget)), 1);
 }
 
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,
-                        const std::string& method) {
+                        const std::string& method, double other_bytes) {
   const auto allowed = static_cast<double>(allowed_bytes(budget));
-  // Constraints only take states away: where all subsets fit there is nothing to estimate.
-  if (estimate_without_constraints(system).bytes <= allowed) return;
-  const GraphEstimate estimate = estimate_graph(system);
   // An estimate by sampling may be off by a factor of two or so; the memory limit stands behind it.
-  const double slack = estimate.exact ? 1 : 2;
-  if (estimate.bytes <= slack * allowed &&
-      estimate.states <= slack * static_cast<double>(kMostStates))
-    return;
+  const auto estimate = too_large(system, allowed, 2);
+  if (!estimate) return;
   const bool bounded = ConnectionBound(system).known();
+  const std::string other =
+      other_bytes == 0 ? "" : ", or " + bytes_text(other_bytes) + " for the values of all subsets,";
   throw InputError(
-      method + " needs the whole state-action graph: " + (estimate.exact ? "" : "about ") +
-      size_text(estimate.states) + " states and " + size_text(estimate.actions) + " actions, " +
-      bytes_text(estimate.bytes) + " of memory where " + bytes_text(allowed) +
+      method + " needs the whole state-action graph: " + (estimate->exact ? "" : "about ") +
+      size_text(estimate->states) + " states and " + size_text(estimate->actions) + " actions, " +
+      bytes_text(estimate->bytes) + " of memory" + other + " where " + bytes_text(allowed) +
       " are allowed; use auto, " + (bounded ? "orasp-search, " : "") + "greedy or random instead");
 }
 

@@ -115,6 +115,9 @@ struct GraphEstimate {
 /// layers). Exact without constraints. Deterministic.
 [[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system);
 
+/// Whether the problem states no constraint, so that every subset of the connections is a state.
+[[nodiscard]] bool unconstrained(const TransitionSystem& system);
+
 /// The size that H would have if nothing were constrained: 2^connections states. Constraints only take states away.
 [[nodiscard]] GraphEstimate estimate_without_constraints(const TransitionSystem& system);
 
@@ -122,10 +125,14 @@ struct GraphEstimate {
 /// of what the machine has.
 [[nodiscard]] std::uint64_t allowed_bytes(const Budget& budget);
 
-/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget)
-/// (a sampled estimate may exceed it twofold: the limit still ends the build); the sentence gives the estimate and the methods that do not build H.
-/// `method` is the one refused.
+/// Whether H is estimated to fit in allowed_bytes(budget).
+[[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);
+
+/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget) (a sampled estimate
+/// may exceed it twofold: the limit still ends the build); the sentence gives the estimate and the methods that
+/// do not build H. `method` is the one refused; `other_bytes`, if not 0, is what a table of all subsets would take, to
+/// be named too.
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,
-                        const std::string& method);
+                        const std::string& method, double other_bytes = 0);
 
 }  // namespace orasp

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/detail/parallel.h"
 #include "orasp/planners/detail/planner_support.h"
 
@@ -144,9 +145,18 @@ Result value_iteration(const TransitionSystem& system, const ValueIterationOptio
   if (!std::isfinite(options.initial_value))
     throw InputError("value-iteration: the initial value must be finite");
   if (!(options.epsilon >= 0)) throw InputError("value-iteration: epsilon must be 0 or more");
-  return detail::on_graph(system, budget, "value-iteration", [&](const StateGraph& graph) {
-    return value_iteration(graph, options, budget);
-  });
+  const bool dense = options == ValueIterationOptions{} && dense_values_safe(system);
+  const bool dense_fits = dense && dense_table_fits(system, budget);
+  if (dense_fits && (unconstrained(system) || !graph_fits(system, budget)))
+    return dense_value_iteration(system, {}, budget);
+  Result result = detail::on_graph(
+      system, budget, "value-iteration",
+      [&](const StateGraph& graph) { return value_iteration(graph, options, budget); },
+      dense ? dense_table_bytes(system, budget) : 0);
+  // The estimate was too low.
+  if (result.stop == Stop::MemoryLimit && dense_fits)
+    return dense_value_iteration(system, {}, budget);
+  return result;
 }
 
 }  // namespace orasp

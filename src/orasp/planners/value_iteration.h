@@ -19,6 +19,8 @@ struct ValueIterationOptions {
   double initial_value = 0;  ///< V_0 of every state but the goal, whose value is 0
   double epsilon = 1e-9;     ///< stop when no value changed by this much or more
   std::uint64_t max_sweeps = std::numeric_limits<std::uint64_t>::max();
+
+  friend bool operator==(const ValueIterationOptions&, const ValueIterationOptions&) = default;
 };
 
 /// Finds an optimal plan by graph-based value iteration.
@@ -33,9 +35,14 @@ struct ValueIterationOptions {
 ///             before that: Feasible, not Optimal.
 /// Cost.       O(actions) a sweep, parallel over the states of a layer (layer order) or of H
 ///             (textbook order); 8 bytes a state (16 in textbook order) beside H.
-/// Limit.      H must fit in memory.
+/// Limit.      H must fit in memory, or the table of dense_value_iteration.
 /// Repeatable. Ties go to the lowest connection; any number of threads gives the same bytes.
-/// @throws InputError if H is estimated not to fit (require_graph_fits).
+///
+/// With default options, H is not built but dense_value_iteration() answers where nothing is
+/// constrained, since then H holds every subset and the table finds the same plan several times as
+/// fast; and where H does not fit, by the estimate or while it grows, but the table does.
+/// Result::values is then empty; build H and use the second form for values.
+/// @throws InputError if neither is estimated to fit (require_graph_fits).
 [[nodiscard]] Result value_iteration(const TransitionSystem& system,
                                      const ValueIterationOptions& options, const Budget& budget);
 /// The same on an H that is already there; Result::values holds V by StateId.

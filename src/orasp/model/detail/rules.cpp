@@ -74,8 +74,10 @@ Rules::Rules(const Problem& problem)
       default: break;
     }
     if (!problem.parts().empty()) term.part_mass = problem.parts().front().mass;
-    if (!term.counting) needs_movement = true;
     look_at_gain(problem, term);
+    if (term.kind == TermKind::Expression)
+      term.counting = term.gain_by_sizes && problem.num_parts() <= kMostPartsInTable;
+    if (!term.counting) needs_movement = true;
     double distance = 0;
     for (const Part& part : problem.parts()) {
       if (!part.position) continue;
@@ -134,7 +136,10 @@ void Rules::add_terms(const Problem& problem, const Objective& objective,
     Rules& rules;
     Term& term;
 
-    void add() { rules.terms.push_back(std::move(term)); }
+    void add() {
+      term.index = rules.terms.size();
+      rules.terms.push_back(std::move(term));
+    }
     void operator()(const PieceCost& cost) {
       term.kind = TermKind::PieceCost;
       term.piece_cost.assign(problem.num_parts() + 1, 0.0);

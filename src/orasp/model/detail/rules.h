@@ -16,6 +16,9 @@
 namespace orasp::detail {
 
 inline constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
+/// A formula of sizes alone is looked up in a table of its values up to this many parts (two values for each pair of
+/// sizes).
+inline constexpr std::size_t kMostPartsInTable = 2048;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class TermKind {
@@ -41,6 +44,7 @@ struct Term {
   Vector3 depot{};
   const Expression* expression = nullptr;
   const Callable* callable = nullptr;
+  std::size_t index = 0;  ///< of the term
   /// The reward depends on sizes and counts only, not on which parts are on which side: always so for some kinds, and for
   /// Fuel where all masses are equal (to `part_mass`), for Time where no part has a position.
   bool counting = false;

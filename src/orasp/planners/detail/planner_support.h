@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,7 +18,11 @@ namespace orasp::detail {
 [[nodiscard]] std::optional<Result> settled(const TransitionSystem& system,
                                             std::string_view method);
 
-/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, if one
+/// The reward of a sequence of legal steps from the start. O(steps * (parts + connections)).
+[[nodiscard]] double reward_of(const TransitionSystem& system,
+                               std::span<const ConnectionIndex> sequence);
+
+/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, or any, if one
 /// is found at once. `statistics` are those of the method.
 [[nodiscard]] Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
                              const Statistics& statistics);
@@ -33,13 +38,13 @@ namespace orasp::detail {
 [[nodiscard]] Statistics statistics_of(const StateGraph& graph);
 
 /// Builds H within the budget and runs `plan(graph)` on it, with the refusals and endings that all
-/// methods on H share.
+/// methods on H share. `other_bytes` as in require_graph_fits.
 template <class Plan>
 [[nodiscard]] Result on_graph(const TransitionSystem& system, const Budget& budget,
-                              std::string_view method, Plan&& plan) {
+                              std::string_view method, Plan&& plan, double other_bytes = 0) {
   const Stopwatch watch;
   if (auto result = settled(system, method)) return *result;
-  require_graph_fits(system, budget, std::string(method));
+  require_graph_fits(system, budget, std::string(method), other_bytes);
   const StateGraph graph = StateGraph::build(system, budget);
   Result result = graph.stop() != Stop::None
                       ? stopped(system, method, graph.stop(), statistics_of(graph))
