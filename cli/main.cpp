@@ -258,9 +258,10 @@ void add_limit_options(CommandLine& line, LimitOptions& limits, const std::strin
              "Stop where the method's own tables hold more than this; refuse at once what is sure "
              "to need more (default: three quarters of the machine's memory).",
              limits.memory_limit, 1, std::uint64_t{1} << 40);
-  line.whole("--threads", "N",
-             "Threads of the methods that build H (default: all of the machine's).", limits.threads,
-             1, 4096);
+  line.whole(
+      "--threads", "N",
+      "Threads of beam, and-or and the methods that build H (default: all of the machine's).",
+      limits.threads, 1, 4096);
 }
 
 void add_output_options(CommandLine& line, bool& json, std::string& output, bool& quiet,

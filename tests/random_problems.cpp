@@ -139,8 +139,7 @@ bool needs_positions(const Objective& objective) {
                      [](const WeightedObjective& term) { return needs_positions(term.objective); });
 }
 
-void add_parts(ProblemSpec& spec, Draw& draw) {
-  const std::size_t parts = draw.chance(0.02) ? 0 : draw.between(1, 7);
+void add_parts(ProblemSpec& spec, Draw& draw, std::size_t parts) {
   const std::size_t mass_kind = draw.between(0, 2);
   const double positioned =
       needs_positions(spec.objective) ? 1.0 : draw.one_of<double>({0.0, 1.0, 0.8});
@@ -154,22 +153,21 @@ void add_parts(ProblemSpec& spec, Draw& draw) {
   }
 }
 
-void add_connections(ProblemSpec& spec, Draw& draw) {
+void add_connections(ProblemSpec& spec, Draw& draw, std::size_t most, double joined) {
   const std::size_t parts = spec.parts.size();
   if (parts == 0) return;
   std::vector<std::pair<std::size_t, std::size_t>> ends;
-  const double joined = draw.one_of<double>({1.0, 0.9, 0.6});
   for (std::size_t p = 1; p < parts; ++p) {
     if (draw.chance(joined)) ends.emplace_back(p, draw.between(0, p - 1));
   }
   const std::size_t extra = draw.between(0, 3);
-  for (std::size_t e = 0; e < extra && ends.size() < 8; ++e) {
+  for (std::size_t e = 0; e < extra && ends.size() < most; ++e) {
     const std::size_t first = draw.between(0, parts - 1);
     const std::size_t second = draw.chance(0.15) ? first : draw.between(0, parts - 1);
     if (first == second && draw.chance(0.5)) continue;
     ends.emplace_back(first, second);
   }
-  if (!ends.empty() && ends.size() < 8 && draw.chance(0.15))
+  if (!ends.empty() && ends.size() < most && draw.chance(0.15))
     ends.push_back(draw.one_of(ends));  // parallel
   draw.shuffle(ends);
   const bool named = draw.chance(0.3);
@@ -231,7 +229,7 @@ void add_limits(ProblemSpec& spec, Draw& draw) {
   if (draw.chance(likely)) spec.limits.max_moved_mass = draw.one_of<double>({0.3, 0.6, 1, 2, 2.5});
 }
 
-void add_blocking(ProblemSpec& spec, Draw& draw) {
+void add_blocking(ProblemSpec& spec, Draw& draw, const std::vector<double>& densities) {
   std::vector<std::array<std::string, 2>> axes = {{"+x", "-x"}, {"+y", "-y"}, {"+z", "-z"}};
   draw.shuffle(axes);
   axes.resize(draw.between(1, 3));
@@ -241,7 +239,7 @@ void add_blocking(ProblemSpec& spec, Draw& draw) {
     blocking.directions.push_back(axis[1]);
   }
   const bool in_space = draw.chance(0.3);  // parts on a raster stand in each other's way along rows
-  const double density = draw.one_of<double>({0.1, 0.25, 0.5, 0.7});
+  const double density = draw.one_of(densities);
   std::vector<std::array<std::size_t, 3>> cells;
   for (std::size_t p = 0; p < spec.parts.size(); ++p) {
     cells.push_back({draw.between(0, 2), draw.between(0, 2), draw.between(0, 1)});
@@ -285,11 +283,24 @@ ProblemSpec random_problem(std::uint64_t seed) {
   spec.objective =
       random_objective(types[seed % types.size()], draw, 0);  // every type equally often
   if (draw.chance(0.4)) spec.direction = Direction::Assembly;
-  add_parts(spec, draw);
-  add_connections(spec, draw);
+  add_parts(spec, draw, draw.chance(0.02) ? 0 : draw.between(1, 7));
+  if (!spec.parts.empty()) add_connections(spec, draw, 8, draw.one_of<double>({1.0, 0.9, 0.6}));
   if (draw.chance(0.5)) add_precedence(spec, draw);
   add_limits(spec, draw);
-  if (!spec.parts.empty() && draw.chance(0.35)) add_blocking(spec, draw);
+  if (!spec.parts.empty() && draw.chance(0.35)) add_blocking(spec, draw, {0.1, 0.25, 0.5, 0.7});
+  return spec;
+}
+
+ProblemSpec larger_random_problem(std::uint64_t seed) {
+  Draw draw(mixed(seed + 1));
+  ProblemSpec spec;
+  spec.name = "larger random problem " + std::to_string(seed);
+  spec.objective = random_objective(kObjectiveTypes[seed % kObjectiveTypes.size()], draw, 0);
+  add_parts(spec, draw, draw.between(8, 11));
+  add_connections(spec, draw, 12, draw.one_of<double>({1.0, 0.95}));
+  if (draw.chance(0.5)) add_precedence(spec, draw);
+  add_limits(spec, draw);
+  if (draw.chance(0.35)) add_blocking(spec, draw, {0.05, 0.1});
   return spec;
 }
 

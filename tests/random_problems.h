@@ -12,6 +12,10 @@ namespace orasp {
 /// gives the same problem on every machine.
 [[nodiscard]] ProblemSpec random_problem(std::uint64_t seed);
 
+/// A larger one, too large for brute force but not for H: 7 to 12 connections, 8 to 11 parts, in disassembly; else as above,
+/// with less blocking.
+[[nodiscard]] ProblemSpec larger_random_problem(std::uint64_t seed);
+
 /// A random objective of the given type, a name of kObjectiveTypes or "callable".
 [[nodiscard]] Objective random_objective(std::string_view type, std::uint64_t seed);
 

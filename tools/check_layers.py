@@ -38,7 +38,8 @@ THIRD_PARTY = {
     "benchmark": r"benchmarks/.*",
 }
 # The operating system and the processor: anywhere but in the model and in public headers.
-PLATFORM = {"sys", "unistd.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h", "immintrin.h"}
+PLATFORM = {"sys", "unistd.h", "fcntl.h", "malloc.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h",
+            "immintrin.h"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 

@@ -132,6 +132,11 @@ class Usage(Case):
             ("solve hubble --direction up", r'unknown direction "up"; it is disassembly or assembly'),
             ("solve hubble --epsilon 1 --method greedy", r"--epsilon belongs to the method value-iteration"),
             ("solve hubble --sweep-order up --method value-iteration", r'"up" is neither layers nor textbook'),
+            ("solve hubble --bound best", r"--bound belongs to the methods orasp-search, a-star and beam, not to auto"),
+            ("solve hubble --bound best --method dijkstra", r"--bound belongs to .*, not to dijkstra"),
+            ("solve hubble --bound bst --method a-star", r"unknown bound 'bst'; known: none, connections, sizes, parts, best"),
+            ("solve hubble --method a-star --bound", r"--bound needs a value, BOUND"),
+            ("solve hubble --bound none --objective indexed --method beam", r"beam: the bound 'none' knows nothing.*'best'"),
             ("evaluate - -", r"PROBLEM and PLAN cannot both be read from standard input"),
             ("solve hubble --alternatives 0", r'--alternatives: "0" is not a whole number from 1 to 1000000'),
             ("explain hubble --connection 99-1", r'--connection: no connection "99-1"'),
@@ -214,6 +219,7 @@ class Completion(Case):
             (["solve", "hubble", "--method", "val"], ["value-iteration"]),
             (["solve", "hubble", "--method", "=", "val"], ["value-iteration"]),
             (["compare", "hubble", "--methods", "greedy,dij"], ["greedy,dijkstra"]),
+            (["solve", "hubble", "--bound", ""], ["none", "connections", "sizes", "parts", "best"]),
             (["solve", "hubble", "--objective", "cub"], ["cubesat", "cubesat_zone"]),
             (["solve", "hubble", "--direction", "a"], ["assembly"]),
             (["solve", "hubble", "-o", "hub"], ["hubble-2.json"]),
@@ -378,6 +384,23 @@ class Solve(Case):
         self.assertEqual(json.loads(answer.out)["options"]["max-sweeps"], 1)
         self.assertNotEqual(json.loads(answer.out)["status"], "optimal")
 
+    def test_a_bound_may_be_chosen(self):
+        expanded = {}
+        for method in ("orasp-search", "a-star", "beam"):
+            for bound in ("none", "connections", "sizes", "best"):
+                with self.subTest(method=method, bound=bound):
+                    answer = orasp("solve", "lattice", "--method", method, "--bound", bound, "--json")
+                    self.check(answer, 0)
+                    plan = json.loads(answer.out)
+                    self.assertEqual(plan["status"], "optimal")
+                    self.assertAlmostEqual(plan["reward"], 0.0735, places=9)
+                    self.assertEqual(plan["options"]["bound"], bound)
+                    expanded[method, bound] = plan["statistics"]["expanded"]
+            self.assertLess(10 * expanded[method, "sizes"], expanded[method, "none"])
+            default = json.loads(orasp("solve", "lattice", "--method", method, "--json").out)
+            self.assertEqual(default["statistics"]["expanded"], expanded[method, "best"])
+        self.check(orasp("solve", "lattice", "--objective", "fuel", "--method", "a-star", "--bound", "parts"), 0)
+
     def test_too_large_for_a_method_is_refused_at_once(self):
         start = time.monotonic()
         answer = orasp("solve", "jwst", "--method", "dijkstra", "--quiet")
@@ -517,6 +540,67 @@ class Stopping(Case):
         answer = orasp(*ENDLESS, "--time-limit", "0.5")
         self.check(answer, 20, out=r"feasible \(stopped by the time limit; not proved best\)")
         self.assertLess(time.monotonic() - start, 20)
+
+    # Problems that no method settles in seconds: 2**256 and 2**180 states, and a bound that is far off.
+    HARD = [(["jwst", "--objective", "{sizes}"], 256), (["grid:10x10", "--objective", "time"], 180)]
+
+    def hard(self):
+        sizes = self.file("sizes.json", json.dumps({"type": "expression",
+                                                    "formula": "-separates*(moved_parts+kept_parts)"}))
+        return [([word.format(sizes=sizes) for word in words], steps) for words, steps in self.HARD]
+
+    def test_a_time_limit_is_kept_to_with_a_plan_and_a_bound(self):
+        starts = []
+        for _ in range(3):
+            begin = time.monotonic()
+            orasp("--version")
+            starts.append(time.monotonic() - begin)
+        for words, steps in self.hard():
+            for method in ("auto", "beam", "a-star", "orasp-search", "and-or"):
+                with self.subTest(words=words, method=method):
+                    for attempt in range(3):  # the machine may be busy with something else
+                        begin = time.monotonic()
+                        answer = orasp("solve", *words, "--method", method, "--time-limit", "1", "--json", "--quiet")
+                        wall = time.monotonic() - begin
+                        if wall < 1.1 + max(starts):
+                            break
+                    self.check(answer, 20)
+                    plan = json.loads(answer.out)
+                    self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "time limit"))
+                    self.assertEqual(len(plan["disassembly"]), steps)
+                    self.assertIsNotNone(plan["bound"])
+                    self.assertGreater(plan["gap"], 0)
+                    self.assertLess(wall, 1.1 + max(starts))
+
+    def test_ctrl_c_prints_the_plan_of_every_search(self):
+        for method in ("auto", "beam", "a-star"):
+            with self.subTest(method=method):
+                process = self.start("solve", "grid:10x10", "--objective", "time", "--method", method, "--json")
+                time.sleep(0.7)
+                process.send_signal(signal.SIGINT)
+                out, error = process.communicate(timeout=20)
+                self.assertEqual(process.returncode, 20, error)
+                plan = json.loads(out)
+                self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "interrupted"))
+                self.assertEqual(len(plan["disassembly"]), 180)
+
+    def test_a_memory_limit_is_kept_to(self):
+        # The whole process may hold 20 MiB more at any moment. How soon a method gets there tells how large the limit is.
+        for method, limit, words in [("orasp-search", 50, ["iss", "--bound", "none"]),
+                                     ("a-star", 200, ["grid:5x5", "--objective", "indexed"]),
+                                     ("a-star", 200, ["grid:10x10", "--objective", "time"]),
+                                     ("beam", 60, ["grid:4x4", "--objective", "indexed"]),
+                                     ("auto", 40, ["grid:5x5", "--objective", "indexed"])]:
+            with self.subTest(method=method, words=words):
+                code = ("import resource, subprocess, sys; code = subprocess.run(sys.argv[1:]).returncode; "
+                        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(code)")
+                done = subprocess.run([sys.executable, "-c", code, PROGRAM, "solve", *words, "--method", method,
+                                       "--memory-limit", str(limit), "--time-limit", "60", "--json", "--quiet"],
+                                      capture_output=True, text=True, timeout=120)
+                self.assertEqual(done.returncode, 20, done.stderr)
+                plan = json.loads(done.stdout)
+                self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "memory limit"))
+                self.assertLess(int(done.stderr) / 1024, limit + 20)
 
     def test_a_memory_limit_ends_with_the_best_so_far(self):
         answer = orasp(*ENDLESS, "--memory-limit", "2", "--json")

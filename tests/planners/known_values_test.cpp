@@ -22,7 +22,7 @@ namespace orasp {
 namespace {
 
 constexpr const char* kExactMethods[] = {"value-iteration", "dijkstra", "bellman-ford",
-                                         "orasp-search"};
+                                         "orasp-search",    "a-star",   "beam"};
 
 /// Least reward of a complete plan: H in order of generation, so each state after all that lead to it.
 double worst_reward(const StateGraph& graph) {

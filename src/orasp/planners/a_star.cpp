@@ -26,6 +26,7 @@ class Search {
         budget_(budget),
         allowed_(allowed_bytes(budget)),
         result_(result),
+        look_(std::clamp<std::uint64_t>(65536 / (1 + system.num_connections()), 1, 256)),
         table_(system.words()) {}
 
   void run() {
@@ -34,11 +35,10 @@ class Search {
     tick_ = kRewardTolerance * std::max(1.0, std::abs(all));
     meet(start, 0, 0, all, 0);
     result_.stop = budget_.expired();
-    state_ = start;
     while (!open_.empty() && result_.stop == Stop::None) {
-      std::ranges::pop_heap(open_, later);
+      std::ranges::pop_heap(open_.span(), later);
       const Open next = open_.back();
-      open_.pop_back();
+      open_.resize(open_.size() - 1);
       if (closed_[next.state] != 0) continue;  // met again by a better path since
       closed_[next.state] = 1;
       if (next.depth == system_.num_connections()) {
@@ -48,7 +48,7 @@ class Search {
       expand(next);
     }
     if (result_.stop != Stop::None)
-      result_.bound = open_.empty() ? all : static_cast<double>(open_.front().promise + 1) * tick_;
+      result_.bound = open_.empty() ? all : static_cast<double>(open_[0].promise + 1) * tick_;
     result_.statistics.states = table_.size();
     result_.statistics.peak_bytes = bytes();
   }
@@ -85,20 +85,23 @@ class Search {
     }
     open_.push_back(
         {static_cast<std::int64_t>(std::floor((reward + rest) / tick_ + 0.5)), number, depth});
-    std::ranges::push_heap(open_, later);
+    std::ranges::push_heap(open_.span(), later);
   }
 
   void expand(const Open& from) {
     ++result_.statistics.expanded;
-    if (result_.statistics.expanded % 256 == 0 || budget_.max_expansions < 256) {
-      result_.stop = bytes() > allowed_ ? Stop::MemoryLimit
-                                        : budget_.expired(bytes(), result_.statistics.expanded);
-      budget_.report({.phase = "search",
-                      .done = result_.statistics.expanded,
-                      .states = table_.size()});
+    if (result_.statistics.expanded % look_ == 0 || budget_.max_expansions < look_) {
+      // Before it is taken: what the states generated to the next look may need at most.
+      const std::uint64_t more = look_ * system_.num_connections();
+      const std::uint64_t soon = bytes() - table_.bytes() + table_.bytes_with(more) +
+                                 more * (sizeof(double) + sizeof(std::uint16_t) + 1 + sizeof(Open));
+      result_.stop =
+          soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
+      budget_.report(
+          {.phase = "search", .done = result_.statistics.expanded, .states = table_.size()});
       if (result_.stop != Stop::None) {  // it is still open, for the bound
         open_.push_back(from);
-        std::ranges::push_heap(open_, later);
+        std::ranges::push_heap(open_.span(), later);
         return;
       }
     }
@@ -133,8 +136,7 @@ class Search {
   }
 
   [[nodiscard]] std::uint64_t bytes() const {
-    return table_.bytes() + reward_.bytes() + by_.bytes() + closed_.bytes() +
-           open_.capacity() * sizeof(Open);
+    return table_.bytes() + reward_.bytes() + by_.bytes() + closed_.bytes() + open_.bytes();
   }
 
   const TransitionSystem& system_;
@@ -144,12 +146,12 @@ class Search {
   std::uint64_t allowed_;
   Result& result_;
   double tick_ = 1;
-  ConnectionSet state_;
+  std::uint64_t look_;  ///< expansions from one look at the budget to the next
   detail::StateTable<kWords> table_;
   detail::GrowingArray<double> reward_;  ///< from the start, by state
   detail::GrowingArray<std::uint16_t> by_;
   detail::GrowingArray<unsigned char> closed_;
-  std::vector<Open> open_;
+  detail::GrowingArray<Open> open_;
   std::vector<double> rests_;
 };
 

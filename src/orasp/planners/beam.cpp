@@ -120,7 +120,8 @@ class Search {
     if (left != right) return left > right;
     const std::uint64_t one = mixed(a.hash + result_.statistics.sweeps);
     const std::uint64_t other = mixed(b.hash + result_.statistics.sweeps);
-    return one != other ? one < other : std::pair(a.parent, a.connection) < std::pair(b.parent, b.connection);
+    return one != other ? one < other
+                        : std::pair(a.parent, a.connection) < std::pair(b.parent, b.connection);
   }
 
   /// One pass; @returns the greatest promise that found no room, -infinity if everything did.
@@ -155,7 +156,9 @@ class Search {
     const std::size_t size = layer_.size();
     const std::size_t threads = workers_.size();
     constexpr std::size_t chunk = 1024;  // the same for any number of threads
+    width_ = width;
     for (std::size_t begin = 0; begin < size; begin += chunk) {
+      const std::size_t kept_before = kept_.size();
       const std::size_t end = std::min(size, begin + chunk);
       const std::size_t used = end - begin < 4 * threads ? 1 : threads;
       detail::run_parallel(used, [&](std::size_t t) {
@@ -172,6 +175,7 @@ class Search {
         for (const Candidate& candidate : worker.found) merge(candidate);
         worker.found.clear();
       }
+      kept_grew_ = kept_.size() - kept_before;
       if (kept_.size() > 2 * width) left_out = std::max(left_out, cut_down(width));
       poll();
       if (result_.stop != Stop::None) return left_out;
@@ -246,6 +250,10 @@ class Search {
 
   void make_next_layer() {
     next_.clear();
+    next_.states.reserve(kept_.size() * words_);
+    next_.rewards.reserve(kept_.size());
+    next_.rests.reserve(kept_.size());
+    next_.hashes.reserve(kept_.size());
     std::sort(kept_.begin(), kept_.end(),
               [this](const Candidate& a, const Candidate& b) { return before(a, b); });
     for (const Candidate& candidate : kept_) {
@@ -275,6 +283,13 @@ class Search {
     }
   }
 
+  /// What `vector` holds, and the copy that it will be moved to if it soon has `size` items.
+  template <class Item>
+  [[nodiscard]] static std::uint64_t bytes_with(const std::vector<Item>& vector, std::size_t size) {
+    const std::size_t held = vector.capacity();
+    return (size <= held ? held : held + std::max(size, 2 * held)) * sizeof(Item);
+  }
+
   void poll() {
     std::uint64_t bytes = taken_.capacity() * sizeof(Taken) + kept_.capacity() * sizeof(Candidate) +
                           slots_.capacity() * sizeof(std::uint32_t);
@@ -282,9 +297,18 @@ class Search {
       bytes += layer->states.capacity() * 8 + layer->size() * 24;
     for (const Worker& worker : workers_) bytes += worker.found.capacity() * sizeof(Candidate);
     peak_bytes_ = std::max(peak_bytes_, bytes);
+    // Before it is taken: what the next chunk and the next layer may need. Tables grow by doubling, and for a moment
+    // both the old and the new one are there.
+    const std::size_t kept = kept_.size() + 2 * kept_grew_;
+    const std::size_t next = std::min(kept, width_);
+    std::uint64_t soon = bytes_with(taken_, taken_.size() + next) + bytes_with(kept_, kept) +
+                         bytes_with(slots_, kept * 2 < slots_.size() ? 0 : slots_.size() * 4) +
+                         bytes_with(next_.states, next * words_) + layer_.states.capacity() * 8 +
+                         (layer_.size() + next_.rewards.capacity() + next) * 24;
+    for (const Worker& worker : workers_) soon += worker.found.capacity() * sizeof(Candidate);
     if (result_.stop == Stop::None)
-      result_.stop = bytes > allowed_ ? Stop::MemoryLimit
-                                      : budget_.expired(bytes, result_.statistics.expanded);
+      result_.stop =
+          soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
     budget_.report({.phase = "pass",
                     .done = result_.statistics.sweeps,
                     .states = layer_.size(),
@@ -302,12 +326,14 @@ class Search {
   double tick_ = 1;
   double proved_ = kInfinity;  ///< upper bound on any plan
   std::uint64_t peak_bytes_ = 0;
+  std::size_t width_ = 1;      ///< of this pass
+  std::size_t kept_grew_ = 0;  ///< in the last chunk
   Layer layer_;
   Layer next_;
   std::vector<Candidate> kept_;
   std::vector<std::uint32_t> slots_;
-  std::vector<Taken> taken_;          ///< layer after layer, from the first on
-  std::vector<std::size_t> begins_;   ///< of each layer in `taken_`
+  std::vector<Taken> taken_;         ///< layer after layer, from the first on
+  std::vector<std::size_t> begins_;  ///< of each layer in `taken_`
 };
 
 }  // namespace

@@ -94,9 +94,11 @@ class Search {
           return a.reward != b.reward ? a.reward < b.reward : a.connection > b.connection;
         });
     ++result_.statistics.expanded;
-    if (result_.statistics.expanded % 1024 == 0 || budget_.max_expansions < 1024) {
-      result_.stop = bytes() > allowed_ ? Stop::MemoryLimit
-                                        : budget_.expired(bytes(), result_.statistics.expanded);
+    if (result_.statistics.expanded % kLook == 0 || budget_.max_expansions < kLook) {
+      // Before it is taken: to the next look the table gains a state an expansion.
+      const std::uint64_t soon = bytes() - met_.bytes() + met_.bytes_with(kLook);
+      result_.stop =
+          soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
       budget_.report({.phase = "search",
                       .done = result_.statistics.expanded,
                       .states = met_.size(),
@@ -146,6 +148,9 @@ class Search {
   [[nodiscard]] std::uint64_t bytes() const {
     return met_.bytes() + best_.bytes() + actions_.capacity() * sizeof(Untried);
   }
+
+  static constexpr std::uint64_t kLook =
+      1024;  ///< expansions from one look at the budget to the next
 
   struct Taken {
     ConnectionIndex connection;

@@ -60,6 +60,18 @@ TEST(StateTable, TellsWideKeysApartByAnyWord) {
   EXPECT_EQ(table.size(), expected.size());
 }
 
+TEST(StateTable, SaysBeforehandWhatItWillHold) {
+  StateTable<1> table(1);
+  for (std::uint64_t key = 0; key < 5'000;) {
+    const std::uint64_t more = 1 + key % 97;
+    const std::uint64_t promised = table.bytes_with(more);
+    for (const std::uint64_t end = key + more; key < end; ++key)
+      static_cast<void>(table.insert(&key));
+    EXPECT_LE(table.bytes(), promised);
+    EXPECT_GE(2 * table.bytes() + 2'048, promised);
+  }
+}
+
 TEST(StateTable, ForgetsEverythingWhenCleared) {
   StateTable<1> table(1);
   const std::uint64_t key = 9;

@@ -8,6 +8,7 @@
 #include <span>
 #include <type_traits>
 
+#include <malloc.h>
 #include <sys/mman.h>
 
 namespace orasp::detail {
@@ -60,14 +61,15 @@ class GrowingArray {
   static constexpr std::size_t kLarge = std::size_t{1} << 20U;
 
   // Large tables are touched once from end to end: with pages of 2 MiB the kernel is entered 512 times less often. A
-  // hint, given once an array is large (a huge page is cleared whole); where it is not taken nothing changes.
+  // hint, given once an array is large (a huge page is cleared whole); where it is not taken nothing changes. It goes to the
+  // whole mapping, from the page of the allocator's header to its end: given to a part it would cut the mapping in
+  // two, which mremap does not move, and realloc would copy, with both copies in memory.
   void ask_for_huge_pages() {
     huge_pages_ = true;
-    constexpr std::uintptr_t kHugePage = 2U << 20U;
-    const auto begin =
-        (reinterpret_cast<std::uintptr_t>(data_.get()) + kHugePage - 1) & ~(kHugePage - 1);
-    const auto end =
-        (reinterpret_cast<std::uintptr_t>(data_.get()) + capacity_ * sizeof(T)) & ~(kHugePage - 1);
+    constexpr std::uintptr_t kPage = 4096;
+    const auto data = reinterpret_cast<std::uintptr_t>(data_.get());
+    const auto begin = data & ~(kPage - 1);
+    const auto end = (data + malloc_usable_size(data_.get())) & ~(kPage - 1);
     if (begin < end)
       static_cast<void>(madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
   }

@@ -35,6 +35,12 @@ class StateTable {
   }
   [[nodiscard]] std::span<const std::uint64_t> keys() const { return keys_.span(); }
   [[nodiscard]] std::uint64_t bytes() const { return keys_.bytes() + slots_.bytes(); }
+  /// The most it holds once `more` keys have come in: its index doubles now and then.
+  [[nodiscard]] std::uint64_t bytes_with(std::size_t more) const {
+    std::uint64_t slots = std::max<std::uint64_t>(64, slots_.size());
+    while ((size_ + more) * 3 >= slots * 2) slots *= 2;
+    return ((size_ + more) * words() + slots) * sizeof(std::uint64_t);
+  }
   [[nodiscard]] std::uint64_t hash(const std::uint64_t* key) const {
     if constexpr (kWords == 1) {
       return mixed(*key);
