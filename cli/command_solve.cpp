@@ -48,7 +48,15 @@ ValueIterationOptions::Order sweep_order_called(const std::string& name) {
 Options planner_options(const SolveOptions& options) {
   Options chosen;
   chosen.seed = options.seed;
-  if (options.bound) chosen.bound = bound_called(*options.bound);
+  if (options.bound) {
+    const std::vector<std::string> known(kBoundNames.begin(), kBoundNames.end());
+    if (std::ranges::find(known, *options.bound) == known.end()) {
+      throw InputError(fmt::format("--bound: {} is not a bound; bounds are {}{}",
+                                   in_quotes(*options.bound), fmt::join(known, ", "),
+                                   suggestion(*options.bound, known)));
+    }
+    chosen.bound = bound_called(*options.bound);
+  }
   ValueIterationOptions& sweeps = chosen.value_iteration;
   if (options.sweep_order) sweeps.order = sweep_order_called(*options.sweep_order);
   sweeps.epsilon = options.epsilon.value_or(sweeps.epsilon);

@@ -22,7 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = ""
 # A search that no machine finishes: ORASP Search on 31 connections without constraints.
-ENDLESS = ["solve", "iss", "--method", "orasp-search"]
+ENDLESS = ["solve", "iss", "--method", "orasp-search", "--bound", "none"]
 
 
 class Answer:
@@ -134,7 +134,7 @@ class Usage(Case):
             ("solve hubble --sweep-order up --method value-iteration", r'"up" is neither layers nor textbook'),
             ("solve hubble --bound best", r"--bound belongs to the methods orasp-search, a-star and beam, not to auto"),
             ("solve hubble --bound best --method dijkstra", r"--bound belongs to .*, not to dijkstra"),
-            ("solve hubble --bound bst --method a-star", r"unknown bound 'bst'; known: none, connections, sizes, parts, best"),
+            ("solve hubble --bound bst --method a-star", r'--bound: "bst" is not a bound; bounds are none, connections, sizes, parts, best; did you mean "best"'  ),
             ("solve hubble --method a-star --bound", r"--bound needs a value, BOUND"),
             ("solve hubble --bound none --objective indexed --method beam", r"beam: the bound 'none' knows nothing.*'best'"),
             ("evaluate - -", r"PROBLEM and PLAN cannot both be read from standard input"),

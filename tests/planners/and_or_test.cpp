@@ -37,6 +37,53 @@ void expect_optimum(const Problem& problem, double reward, double tolerance = 1e
   EXPECT_NEAR(replay.reward, reward, tolerance);
 }
 
+// Sums of losses are rounded in another order than limits are: neither may end a search early or lose its plan.
+TEST(AndOr, ProvesManyTreesAndGraphsWhereHalvingIsBest) {
+  for (int seed = 1; seed <= 12; ++seed) {
+    for (const std::string& name : {"tree:150:" + std::to_string(seed),
+                                    "random:40:60:" + std::to_string(seed)}) {
+      SCOPED_TRACE(name);
+      const Problem problem = load_scenario(name).with_objective(sizes_of_pieces());
+      const Result result = run(problem);
+      EXPECT_EQ(status_name(result.status), "optimal");
+      EXPECT_EQ(result.reward, evaluate(problem, result.sequence).reward);
+    }
+  }
+}
+
+// A star can only be taken apart arm by arm: n + (n - 1) + ... + 2, which the bound by arms knows and sizes do not.
+TEST(PieceGains, KnowsWhatAHubCosts) {
+  std::vector<std::pair<int, int>> arms;
+  for (int arm = 2; arm <= 12; ++arm) arms.emplace_back(1, arm);
+  const Problem problem = Problem(instances::assembly(12, arms)).with_objective(sizes_of_pieces());
+  const TransitionSystem system(problem);
+  const PieceGains gains(system);
+  EXPECT_EQ(gains.by_arms(12, 11), -(12 * 13 / 2 - 1));
+  EXPECT_GT(gains.by_size(12), gains.by_arms(12, 11));
+  expect_optimum(problem, -(12 * 13 / 2 - 1));
+}
+
+// At most three parts move at a time: what they cost is shared among them by prices, and the plan peels along them.
+TEST(AndOr, ComesWithinAPercentOfTheBoundWhereGroupsOfThreeMove) {
+  Limits limits;
+  limits.max_moved_parts = 3;
+  limits.max_subassemblies = 4;
+  ProblemSpec spec = grid(7, 7);
+  SplitMix64 random(11);
+  for (Part& part : spec.parts) part.mass = 1 + static_cast<double>(random.below(90)) / 10;
+  spec.limits = limits;
+  spec.objective = Objective::named("time");
+  const Problem problem(spec);
+  const TransitionSystem system(problem);
+  const Result result = and_or(system, {.rounds = 2}, Budget{});
+  ASSERT_TRUE(result.has_plan());
+  ASSERT_TRUE(result.bound.has_value());
+  EXPECT_TRUE(evaluate(problem, result.sequence).valid);
+  EXPECT_LE(*result.bound - result.reward, 0.01 * std::abs(result.reward));
+  PieceBound parts(system, PieceBound::Kind::Parts);
+  EXPECT_GE(parts(system.start().view()), result.reward);
+}
+
 TEST(AndOr, ProvesTheKnownValues) {
   const std::pair<const char*, double> known[] = {
       {"3piece", 0.7785},  {"4brick", 0.5570},       {"4piece", 0.5570},     {"2x3", 0.3636},

@@ -661,11 +661,17 @@ class Search {
     }
   }
 
+  /// From here on nothing but the budget ends what is looked at.
+  void no_limits() {
+    interrupted_ = gave_up_ = false;
+    try_ends_ = last_expansion_ = last_look_ = std::numeric_limits<std::uint64_t>::max();
+  }
   [[nodiscard]] bool stopped() const {
     return interrupted_ || gave_up_ || result_.stop != Stop::None;
   }
   [[nodiscard]] std::uint64_t bytes() const {
-    return memo_.bytes() + loss_.bytes() + exact_.bytes() + cuts_.capacity() * sizeof(Cut);
+    constexpr std::size_t kUntilNextLook = 512;  // the table may double before
+    return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() + cuts_.capacity() * sizeof(Cut);
   }
   void poll() {
     result_.stop = bytes() > allowed_bytes_
@@ -731,8 +737,7 @@ void Search<kWords>::peel(std::size_t width) {
   };
   peeled_.clear();
   peeling_ = true;
-  interrupted_ = gave_up_ = false;
-  try_ends_ = last_expansion_ = last_look_ = std::numeric_limits<std::uint64_t>::max();
+  no_limits();
   for (const Set& whole : pieces_) {
     const std::size_t parts = whole.size();
     std::vector<std::vector<Rest>> by_size(parts + 1);
@@ -827,6 +832,7 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     std::size_t allowed;
   };
   const std::size_t connections = problem_.num_connections();
+  no_limits();
   std::vector<ConnectionIndex> steps;
   ConnectionSet open = ConnectionSet::all(connections);
   std::vector<Task> tasks;  // the last is at hand

@@ -147,6 +147,12 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
     findings.add(result);
     return findings.answer(result.stop, "value-iteration, since the state-action graph is small");
   }
+  if (!findings.best().has_plan()) {
+    Budget first = budget;
+    first.max_expansions =
+        std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
+    findings.add(greedy(system, first));
+  }
   ConnectionBound connections(system);
   if (connections.known()) findings.lower(connections(start.view()));
 

@@ -88,9 +88,13 @@ class Search {
     bound_.of_successors(state_.view(), rest_, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i)
       actions_.push_back({legal[i].connection, legal[i].reward, rests_[i]});
-    // Best reward first, then lowest connection; they are taken from the back.
+    // Best promise first (under the bound `none` that is the best reward, as in the paper), then the best reward, then the
+    // lowest connection; they are taken from the back.
     std::ranges::sort(
         std::span(actions_).subspan(frames_.back()), [](const Untried& a, const Untried& b) {
+          const double left = std::floor((a.reward + a.rest) / kRewardTolerance + 0.5);
+          const double right = std::floor((b.reward + b.rest) / kRewardTolerance + 0.5);
+          if (left != right) return left < right;
           return a.reward != b.reward ? a.reward < b.reward : a.connection > b.connection;
         });
     ++result_.statistics.expanded;

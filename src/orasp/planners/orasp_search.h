@@ -19,7 +19,7 @@ struct OraspSearchOptions {
 /// as it goes.
 ///
 /// Idea.       A random legal sequence is the first incumbent. The search expands recursively, best
-///             reward first; a branch is abandoned as soon as its running reward plus a proved
+///             promise first (reward plus bound; with the paper's bound: best reward first); a branch is abandoned as soon as its running reward plus a proved
 ///             upper bound on what is left cannot beat the incumbent, and so is a state met again
 ///             no better than before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
