@@ -20,7 +20,8 @@ template <class Arrange>
 [[nodiscard]] Result depth_first_search(const TransitionSystem& system, const ConnectionSet& from,
                                         const ConnectionSet& to, const Budget& budget,
                                         std::string_view method, Arrange&& arrange) {
-  constexpr std::uint64_t kPollEvery = 64;
+  // A state of thousands of connections takes a millisecond.
+  const std::uint64_t poll_every = system.num_connections() < 1000 ? 64 : 4;
   const Stopwatch watch;
   Result result;
   result.method = method;
@@ -52,7 +53,7 @@ template <class Arrange>
         ++statistics.pruned;
       }
       frames.push_back(begin);
-      if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
+      if (statistics.expanded % poll_every == 0 || budget.max_expansions < poll_every) {
         result.stop =
             budget.expired(failed.bytes() + actions.size() * sizeof(Action), statistics.expanded);
       }
