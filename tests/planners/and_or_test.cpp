@@ -248,7 +248,7 @@ TEST(AndOr, ThreadsDoNotChangeTheAnswer) {
   for (const char* name : {"grid:5x5", "grid:7x7", "jwst-upc"}) {
     const Problem problem = load_scenario(name).with_objective(sizes_of_pieces());
     Budget budget;
-    budget.max_expansions = 5'000;
+    budget.max_expansions = 1'500;
     const Result one = run(problem, budget);
     for (const unsigned threads : {2U, 3U}) {
       SCOPED_TRACE(std::string(name) + ", " + std::to_string(threads));

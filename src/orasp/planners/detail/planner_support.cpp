@@ -20,8 +20,9 @@ std::optional<Result> settled(const TransitionSystem& system, std::string_view m
 
 namespace {
 
-/// Seconds for a plan after the limit has struck.
+/// Seconds for a plan after the limit has struck, where a plan may take longer than some milliseconds.
 constexpr double kAtOnce = 0.04;
+constexpr std::size_t kSmall = 600;  ///< connections
 
 /// A plan where greedy runs into dead ends: the first legal order, whatever it earns.
 Result any_plan(const TransitionSystem& system, const Budget& budget) {
@@ -54,10 +55,11 @@ Result stopped(const TransitionSystem& system, std::string_view method, Stop sto
                const Statistics& statistics) {
   Budget at_once;
   at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_connections(), 2000);
-  at_once.set_time_limit(kAtOnce);
+  const bool small = system.num_connections() <= kSmall;
+  if (!small) at_once.set_time_limit(kAtOnce);
   Result result = greedy(system, at_once);
   if (!result.has_plan()) {
-    at_once.set_time_limit(kAtOnce);
+    if (!small) at_once.set_time_limit(kAtOnce);
     result = any_plan(system, at_once);
   }
   if (result.status == Status::Infeasible)
