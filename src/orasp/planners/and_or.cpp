@@ -304,7 +304,7 @@ class Search {
       }
       if (loss <= limit || loss == kInfinity) return loss;
       report(loss);
-      step = std::max(2 * step, limit / 4);
+      step *= 2;
       limit = std::max(loss, limit + step) + slack(scale);
     }
   }
