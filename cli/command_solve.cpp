@@ -23,9 +23,8 @@ namespace {
 void refuse_foreign_options(const SolveOptions& options) {
   const auto searches = {"orasp-search", "a-star", "beam"};
   if (options.bound && std::ranges::find(searches, options.method) == searches.end()) {
-    throw InputError(
-        fmt::format("--bound belongs to the methods orasp-search, a-star and beam, not to {}",
-                    options.method));
+    throw InputError(fmt::format(
+        "--bound belongs to the methods orasp-search, a-star and beam, not to {}", options.method));
   }
   if (options.method == "value-iteration") return;
   const char* const foreign = options.sweep_order     ? "--sweep-order"
@@ -89,16 +88,12 @@ std::string status_text(const Result& result, bool colour) {
       meaning = "proved";
       shade = "\x1b[32m";
       break;
-    case Status::Feasible:
-      meaning = "not proved best";
-      break;
+    case Status::Feasible: meaning = "not proved best"; break;
     case Status::Infeasible:
       meaning = "proved: no plan exists";
       shade = "\x1b[31m";
       break;
-    case Status::Unknown:
-      meaning = "neither a plan nor a proof that there is none";
-      break;
+    case Status::Unknown: meaning = "neither a plan nor a proof that there is none"; break;
   }
   if (result.stop != Stop::None) meaning = stop_text(result.stop) + "; " + meaning;
   const std::string_view name = status_name(result.status);

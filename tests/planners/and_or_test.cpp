@@ -40,8 +40,8 @@ void expect_optimum(const Problem& problem, double reward, double tolerance = 1e
 // Sums of losses are rounded in another order than limits are: neither may end a search early or lose its plan.
 TEST(AndOr, ProvesManyTreesAndGraphsWhereHalvingIsBest) {
   for (int seed = 1; seed <= 12; ++seed) {
-    for (const std::string& name : {"tree:150:" + std::to_string(seed),
-                                    "random:40:60:" + std::to_string(seed)}) {
+    for (const std::string& name :
+         {"tree:150:" + std::to_string(seed), "random:40:60:" + std::to_string(seed)}) {
       SCOPED_TRACE(name);
       const Problem problem = load_scenario(name).with_objective(sizes_of_pieces());
       const Result result = run(problem);

@@ -69,7 +69,7 @@ struct Expander::Scratch {
   std::vector<std::unique_ptr<Formula>> formulas;  ///< by term
   /// By term, for formulas of sizes alone: values met so far, NaN before; at ((moved + kept)^2 / 4 + moved) * 2 + completes.
   mutable std::vector<std::vector<double>> tables;
-  std::vector<std::uint64_t> present_words;        ///< assembly: complement of the open set
+  std::vector<std::uint64_t> present_words;  ///< assembly: complement of the open set
   detail::Connectivity connectivity;
   Side
       a;  ///< parts of A and B of the step at hand; set by whoever makes its Facts, if rules.needs_sides
@@ -298,11 +298,11 @@ std::optional<double> Expander::Scratch::distance(bool a_moves, const Vector3& d
 
 double Expander::Scratch::checked(double reward, const Facts& facts) const {
   if (std::isfinite(reward)) return reward;
-  throw InputError(
-      "objective: the reward of " + std::string(rules.assembly ? "making " : "removing ") +
-      detail::in_quotes(problem.connection_id(facts.connection)) + " with " +
-      std::to_string(facts.before) + " connections present is " +
-      (std::isnan(reward) ? "not a number" : "infinite") + "; rewards must be finite");
+  throw InputError("objective: the reward of " +
+                   std::string(rules.assembly ? "making " : "removing ") +
+                   detail::in_quotes(problem.connection_id(facts.connection)) + " with " +
+                   std::to_string(facts.before) + " connections present is " +
+                   (std::isnan(reward) ? "not a number" : "infinite") + "; rewards must be finite");
 }
 
 // A formula of sizes alone: a hundred times quicker from a table.
@@ -630,8 +630,7 @@ double Expander::greatest_gain(std::size_t moved, std::size_t kept) {
       case TermKind::Fuel: {
         const auto& lightest = s.rules.lightest;
         const auto& heaviest = s.rules.heaviest;
-        gain = term.weight *
-               fuel_reward(term, term.weight > 0 ? lightest[moved] : heaviest[moved]);
+        gain = term.weight * fuel_reward(term, term.weight > 0 ? lightest[moved] : heaviest[moved]);
         break;
       }
       case TermKind::Time:

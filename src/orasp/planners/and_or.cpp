@@ -150,8 +150,7 @@ class Search {
         result_(result),
         bounded_(world.gains.sizes_known() || world.gains.parts_known()),
         by_sizes_(world.system.gain_by_sizes() && world.gains.sizes_known() &&
-                  !problem_.limits().max_moved_mass &&
-                  problem_.directions() == 0),
+                  !problem_.limits().max_moved_mass && problem_.directions() == 0),
         by_connection_(world.system.gain_by_connection()),
         limited_(problem_.limits().max_subassemblies.has_value()),
         memo_(kWords + 1) {
@@ -170,8 +169,7 @@ class Search {
       for (std::size_t p = 0; p < parts; ++p) below_[p].insert(p);
       for (std::size_t i = parts; i-- > 0;) {
         const PartIndex part = forest.order[i];
-        if (parent_[part] != kNoPart)
-          below_[parent_[part]] = below_[parent_[part]] | below_[part];
+        if (parent_[part] != kNoPart) below_[parent_[part]] = below_[parent_[part]] | below_[part];
       }
     }
     close_precedence();
@@ -202,7 +200,8 @@ class Search {
     result_.bound = most;
     for (const Set& piece : pieces) {
       const double before = most;
-      const double loss = solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
+      const double loss =
+          solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
       most -= loss;
       result_.bound = most;
       if (most == -kInfinity || result_.stop != Stop::None || gave_up_) break;
@@ -231,10 +230,10 @@ class Search {
   /// A cut of a piece into `side` and the rest.
   struct Cut {
     Set side;
-    double own_loss;   ///< g(S) - gain - g(A) - g(B)
-    double estimate;   ///< own loss and the lower bounds of both sides
+    double own_loss;      ///< g(S) - gain - g(A) - g(B)
+    double estimate;      ///< own loss and the lower bounds of both sides
     std::uint64_t order;  ///< among equal ones
-    bool side_waits;   ///< the rest is finished first
+    bool side_waits;      ///< the rest is finished first
   };
 
   [[nodiscard]] std::optional<Cut> next_cut(const Set& piece, std::size_t parts,
@@ -255,7 +254,8 @@ class Search {
     // n parts never need more than floor(log2 n) subassemblies at a time.
     return std::min(allowed, static_cast<std::size_t>(std::bit_width(parts)) - 1);
   }
-  [[nodiscard]] std::array<std::uint64_t, kWords + 1> key(const Set& set, std::size_t allowed) const {
+  [[nodiscard]] std::array<std::uint64_t, kWords + 1> key(const Set& set,
+                                                          std::size_t allowed) const {
     std::array<std::uint64_t, kWords + 1> result{};
     std::ranges::copy(set.words, result.begin());
     result[kWords] = limited_ ? useful(allowed, set.size()) : 0;
@@ -276,7 +276,9 @@ class Search {
   }
 
   // Losses grow by at least this much, so that sums of rounding errors are not taken for choices.
-  [[nodiscard]] static double slack(double scale) { return kSlack * std::max(1.0, std::abs(scale)); }
+  [[nodiscard]] static double slack(double scale) {
+    return kSlack * std::max(1.0, std::abs(scale));
+  }
 
   template <class Report>
   double solve(const Set& piece, std::size_t allowed, Report&& report) {
@@ -321,9 +323,8 @@ class Search {
   std::size_t arms(const Set& piece) {
     std::size_t most = 1;
     if (graph_.is_forest()) {
-      piece.for_each([&](std::size_t part) {
-        most = std::max(most, (neighbours_[part] & piece).size());
-      });
+      piece.for_each(
+          [&](std::size_t part) { most = std::max(most, (neighbours_[part] & piece).size()); });
       return most;
     }
     constexpr std::uint32_t kUnmet = 0;
@@ -377,8 +378,7 @@ class Search {
       loss_.push_back(first_loss(piece, parts));
       exact_.push_back(0);
     }
-    if (exact_[number] != 0 || loss_[number] > limit || stopped())
-      return loss_[number];
+    if (exact_[number] != 0 || loss_[number] > limit || stopped()) return loss_[number];
     ++result_.statistics.expanded;
     if (result_.statistics.expanded % 256 == 0) poll();
     if (result_.statistics.expanded >= last_expansion_) gave_up_ = true;
@@ -671,15 +671,14 @@ class Search {
   }
   [[nodiscard]] std::uint64_t bytes() const {
     constexpr std::size_t kUntilNextLook = 512;  // the table may double before
-    return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() + cuts_.capacity() * sizeof(Cut);
+    return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() +
+           cuts_.capacity() * sizeof(Cut);
   }
   void poll() {
-    result_.stop = bytes() > allowed_bytes_
-                       ? Stop::MemoryLimit
-                       : budget_.expired(bytes(), result_.statistics.expanded);
-    budget_.report({.phase = "search",
-                    .done = result_.statistics.expanded,
-                    .states = memo_.size()});
+    result_.stop = bytes() > allowed_bytes_ ? Stop::MemoryLimit
+                                            : budget_.expired(bytes(), result_.statistics.expanded);
+    budget_.report(
+        {.phase = "search", .done = result_.statistics.expanded, .states = memo_.size()});
   }
 
   const Problem& problem_;
@@ -690,7 +689,8 @@ class Search {
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
-  bool bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and may be negative
+  bool
+      bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and may be negative
   bool by_sizes_;
   bool by_connection_;
   bool limited_;
@@ -712,14 +712,15 @@ class Search {
   std::vector<PartIndex> upper_list_;
   std::vector<PartIndex> side_list_;
   std::vector<PartIndex> rest_list_;
-  double parts_scale_ = 0;  ///< size of the bound of the piece at hand: what rounding is measured by
+  double parts_scale_ =
+      0;  ///< size of the bound of the piece at hand: what rounding is measured by
   std::uint64_t looks_ = 0;
   std::uint64_t salt_ = 0;      ///< of the order of equal cuts; 0: as they are listed
   std::uint64_t try_ends_ = 0;  ///< at so many expansions
   std::uint64_t last_expansion_ = 0;
   std::uint64_t last_look_ = 0;
-  bool interrupted_ = false;    ///< the try has ended
-  bool gave_up_ = false;        ///< the scope has
+  bool interrupted_ = false;  ///< the try has ended
+  bool gave_up_ = false;      ///< the scope has
 
   std::vector<Set> pieces_;
   std::size_t allowed_ = 0;
@@ -774,8 +775,7 @@ void Search<kWords>::peel(std::size_t width) {
           const bool rest_waits = side_stays ? cut.side_waits : !cut.side_waits;
           const bool both = limited_ && off_parts >= 2 && size - off_parts >= 2;
           if (off_parts > kMostPeeled || (both && !rest_waits)) continue;
-          const double off_loss =
-              search(off, off_parts, both ? allowed_ - 1 : allowed_, kInfinity);
+          const double off_loss = search(off, off_parts, both ? allowed_ - 1 : allowed_, kInfinity);
           if (off_loss == kInfinity || result_.stop != Stop::None) continue;
           std::vector<Rest>& there = by_size[size - off_parts];
           there.push_back({rest.piece - off, rest.loss + cut.own_loss + off_loss, number, off});
@@ -801,14 +801,15 @@ auto Search<kWords>::next_cut(const Set& piece, std::size_t parts, std::size_t a
     -> std::optional<Cut> {
   const auto peeled = std::ranges::find(peeled_, piece, &std::pair<Set, Set>::first);
   if (peeled != peeled_.end())
-    return Cut{.side = peeled->second, .own_loss = 0, .estimate = 0, .order = 0, .side_waits = false};
+    return Cut{
+        .side = peeled->second, .own_loss = 0, .estimate = 0, .order = 0, .side_waits = false};
   const bool known = is_exact(piece, allowed);
   if (!known && !dive) return std::nullopt;
   const double loss = known_loss(piece, parts, allowed);
   cuts_.clear();
-  static_cast<void>(list_cuts(
-      piece, parts, allowed,
-      known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity));
+  static_cast<void>(
+      list_cuts(piece, parts, allowed,
+                known ? loss + slack(parts_scale_) * static_cast<double>(parts) : kInfinity));
   const auto promise = [&](const Cut& cut) {
     // Exact losses of both sides add up to this piece's; anything unsolved cannot be chosen.
     const Set rest = piece - cut.side;

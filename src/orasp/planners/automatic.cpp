@@ -87,7 +87,8 @@ class Findings {
   [[nodiscard]] bool settled() const {
     return infeasible_ ||
            (best_.has_plan() &&
-            best_.reward >= *best_.bound - kRewardTolerance * std::max(1.0, std::abs(best_.reward)));
+            best_.reward >=
+                *best_.bound - kRewardTolerance * std::max(1.0, std::abs(best_.reward)));
   }
 
   [[nodiscard]] Result answer(Stop stop, const std::string& how) const {
@@ -157,8 +158,9 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
   if (connections.known()) findings.lower(connections(start.view()));
 
   // In turn until the limit, each turn twice as long as the one before.
-  std::string how = by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
-                              : "beam, since the state-action graph is too large to build";
+  std::string how =
+      by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
+                : "beam, since the state-action graph is too large to build";
   bool may_be_dense = dense_values_safe(system) && dense_table_fits(system, budget);
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
     Budget some = budget;

@@ -229,7 +229,8 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
         const bool alone_is_a = problem.ends(half.connection)[0] == alone;
         const auto gain = alone_is_a ? expander.cut_gain({&alone, 1}, others, half.connection)
                                      : expander.cut_gain(others, {&alone, 1}, half.connection);
-        best = std::max(best, (gain ? *gain : expander.greatest_gain_of_moving({&alone, 1})) + rest);
+        best =
+            std::max(best, (gain ? *gain : expander.greatest_gain_of_moving({&alone, 1})) + rest);
       }
     }
     return best;
@@ -370,8 +371,8 @@ double PieceBound::operator()(SetView open) {
     goal = false;
   });
   if (goal) return 0;
-  scratch_->graph.for_each_piece(
-      open, [&](std::span<const PartIndex> piece) { sum += of_piece(piece); });
+  scratch_->graph.for_each_piece(open,
+                                 [&](std::span<const PartIndex> piece) { sum += of_piece(piece); });
   return sum + gains_.last_surplus();
 }
 

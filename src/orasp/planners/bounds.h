@@ -133,7 +133,8 @@ class PieceGains {
   std::vector<double> own_;
   std::vector<double> by_size_;
   std::vector<std::vector<double>> by_arms_;  ///< from two arms on, by parts
-  std::vector<double> gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
+  std::vector<double>
+      gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
   std::vector<double> prices_;
   /// Exact values of connected sets of two and three parts, by their parts in ascending order; empty with simple prices.
   std::unordered_map<std::uint64_t, double> small_;

@@ -94,9 +94,7 @@ Rules::Rules(const Problem& problem)
 void Rules::look_at_gain(const Problem& problem, Term& term) const {
   switch (term.kind) {
     case TermKind::PieceCost:
-    case TermKind::Completion:
-      term.piece_only = term.gain_by_sizes = true;
-      return;
+    case TermKind::Completion: term.piece_only = term.gain_by_sizes = true; return;
     case TermKind::CubesatZone:
       // Whether a piece of two or three parts is a whole starting piece matters too.
       term.piece_only = true;
@@ -111,15 +109,14 @@ void Rules::look_at_gain(const Problem& problem, Term& term) const {
       term.piece_only = true;
       term.gain_by_sizes = term.counting;
       return;
-    case TermKind::Travel:
-      term.piece_only = true;
-      return;
+    case TermKind::Travel: term.piece_only = true; return;
     case TermKind::Indexed:
     case TermKind::Callable: return;
     case TermKind::Expression: break;
   }
   if (!term.expression->compiler) return;
-  const auto formula = term.expression->compiler(term.expression->formula, term.expression->constants);
+  const auto formula =
+      term.expression->compiler(term.expression->formula, term.expression->constants);
   const auto uses = [&](std::string_view name) { return formula->uses(name); };
   term.piece_only = !uses("before") && !uses("after") && !uses("subassemblies");
   term.gain_by_connection = uses("duration") || uses("index");
@@ -127,8 +124,7 @@ void Rules::look_at_gain(const Problem& problem, Term& term) const {
                        !uses("kept_mass") && !uses("distance");
 }
 
-void Rules::add_terms(const Problem& problem, const Objective& objective,
-                                        double weight) {
+void Rules::add_terms(const Problem& problem, const Objective& objective, double weight) {
   Term term;
   term.weight = weight;
   struct Visitor {

@@ -52,7 +52,7 @@ struct Term {
   /// What the term earns is the connection's own (a step for it that separates nothing) and, where it separates, a gain
   /// that depends on nothing but A, B, the connection and whether it completes.
   bool piece_only = false;
-  bool gain_by_sizes = false;       ///< piece_only, and the gain depends on the sizes of A and B alone
+  bool gain_by_sizes = false;  ///< piece_only, and the gain depends on the sizes of A and B alone
   bool gain_by_connection = false;  ///< piece_only, and the gain depends on the connection too
 };
 
@@ -118,9 +118,9 @@ struct Rules {
   bool uniform_mass = true;
   double total_mass = 0;
   std::vector<Term> terms;
-  std::vector<double> lightest;    ///< kg, by number of parts: the least that so many parts can weigh
-  std::vector<double> heaviest;    ///< and the most
-  std::vector<double> farthest;    ///< by term: greatest distance of a part to the term's depot
+  std::vector<double> lightest;  ///< kg, by number of parts: the least that so many parts can weigh
+  std::vector<double> heaviest;  ///< and the most
+  std::vector<double> farthest;  ///< by term: greatest distance of a part to the term's depot
   bool one_counting_term = false;  ///< the objective is a single counting term of weight 1
   bool needs_movement = false;     ///< the objective looks at which side moves, or at masses
   bool needs_sides = false;        ///< the parts of A and B must be listed
