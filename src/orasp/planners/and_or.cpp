@@ -32,7 +32,6 @@ struct PartSet {
   std::array<std::uint64_t, kWords> words{};
 
   void insert(std::size_t part) { words[part / 64] |= std::uint64_t{1} << (part % 64); }
-  void erase(std::size_t part) { words[part / 64] &= ~(std::uint64_t{1} << (part % 64)); }
   [[nodiscard]] bool contains(std::size_t part) const {
     return (words[part / 64] >> (part % 64) & 1U) != 0;
   }
@@ -225,7 +224,6 @@ class Search {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::size_t kMostAllowed = 63;
   static constexpr std::size_t kMostPeeled = 3;
-  static constexpr double kSlack = kRewardTolerance;
 
   /// A cut of a piece into `side` and the rest.
   struct Cut {
@@ -239,12 +237,22 @@ class Search {
   [[nodiscard]] std::optional<Cut> next_cut(const Set& piece, std::size_t parts,
                                             std::size_t allowed, bool dive);
 
+  static void list_parts(const Set& set, std::vector<PartIndex>& list) {
+    list.clear();
+    set.for_each([&](std::size_t part) { list.push_back(static_cast<PartIndex>(part)); });
+  }
+  /// What `connection` gains as the last between `side` and the rest, which stand in side_list_ and rest_list_.
+  [[nodiscard]] std::optional<double> listed_gain(const Set& side, ConnectionIndex connection) {
+    return side.contains(problem_.ends(connection)[0])
+               ? expander_.cut_gain(side_list_, rest_list_, connection)
+               : expander_.cut_gain(rest_list_, side_list_, connection);
+  }
+
   [[nodiscard]] double upper(const Set& set, std::size_t parts) {
     if (!bounded_) return 0;
     double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
     if (gains_.parts_known()) {
-      upper_list_.clear();
-      set.for_each([&](std::size_t part) { upper_list_.push_back(static_cast<PartIndex>(part)); });
+      list_parts(set, upper_list_);
       bound = std::min(bound, gains_.by_parts(upper_list_));
     }
     return bound;
@@ -277,7 +285,7 @@ class Search {
 
   // Losses grow by at least this much, so that sums of rounding errors are not taken for choices.
   [[nodiscard]] static double slack(double scale) {
-    return kSlack * std::max(1.0, std::abs(scale));
+    return kRewardTolerance * std::max(1.0, std::abs(scale));
   }
 
   template <class Report>
@@ -582,18 +590,14 @@ class Search {
     if (!precedence_.empty() && !may_precede(side, rest)) return std::nullopt;
     if (by_sizes_)
       return gains_.gain(std::min(side_parts, rest_parts), std::max(side_parts, rest_parts));
-    side_list_.clear();
-    rest_list_.clear();
-    side.for_each([&](std::size_t p) { side_list_.push_back(static_cast<PartIndex>(p)); });
-    rest.for_each([&](std::size_t p) { rest_list_.push_back(static_cast<PartIndex>(p)); });
+    list_parts(side, side_list_);
+    list_parts(rest, rest_list_);
     std::optional<double> best;
     for (const PartIndex part : side_parts <= rest_parts ? side_list_ : rest_list_) {
       for (const auto& half : graph_.around(part)) {
         if (!piece.contains(half.other) || side.contains(half.other) == side.contains(part))
           continue;
-        const bool side_is_a = side.contains(problem_.ends(half.connection)[0]);
-        const auto gain = side_is_a ? expander_.cut_gain(side_list_, rest_list_, half.connection)
-                                    : expander_.cut_gain(rest_list_, side_list_, half.connection);
+        const auto gain = listed_gain(side, half.connection);
         if (!gain) return std::nullopt;
         if (!best || *gain > *best) best = *gain;
         if (!by_connection_) return best;
@@ -874,17 +878,13 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     }
     ConnectionIndex last = kNone;
     double best = -kInfinity;
+    list_parts(cut.side, side_list_);
+    list_parts(rest, rest_list_);
     for (ConnectionIndex c = 0; c < connections; ++c) {
       if (gone_[c] != 1) continue;
       needed.push_back(c);
       if (!by_connection_ || !open.contains(c)) continue;
-      side_list_.clear();
-      rest_list_.clear();
-      cut.side.for_each([&](std::size_t p) { side_list_.push_back(static_cast<PartIndex>(p)); });
-      rest.for_each([&](std::size_t p) { rest_list_.push_back(static_cast<PartIndex>(p)); });
-      const bool side_is_a = cut.side.contains(problem_.ends(c)[0]);
-      const auto gain = side_is_a ? expander_.cut_gain(side_list_, rest_list_, c)
-                                  : expander_.cut_gain(rest_list_, side_list_, c);
+      const auto gain = listed_gain(cut.side, c);
       if (gain && *gain > best) {
         best = *gain;
         last = c;

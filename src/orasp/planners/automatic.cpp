@@ -114,14 +114,13 @@ class Findings {
 Result chosen(const TransitionSystem& system, const Budget& budget) {
   const ConnectionSet start = system.start();
   Findings findings;
+  Budget first = budget;
+  first.max_expansions = std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
 
   // A plan that meets the bound, at any size.
   PieceBound pieces(system, PieceBound::Kind::Both);
   if (pieces.known()) {
     findings.lower(pieces(start.view()));
-    Budget first = budget;
-    first.max_expansions =
-        std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
     findings.add(plan_at_bound(system, pieces, first));
     if (findings.settled())
       return findings.answer(Stop::None,
@@ -148,16 +147,11 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
     findings.add(result);
     return findings.answer(result.stop, "value-iteration, since the state-action graph is small");
   }
-  if (!findings.best().has_plan()) {
-    Budget first = budget;
-    first.max_expansions =
-        std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
-    findings.add(greedy(system, first));
-  }
+  if (!findings.best().has_plan()) findings.add(greedy(system, first));
   ConnectionBound connections(system);
   if (connections.known()) findings.lower(connections(start.view()));
 
-  // In turn until the limit, each turn twice as long as the one before.
+  // In turn until the limit, each turn four times as long as the one before.
   std::string how =
       by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
                 : "beam, since the state-action graph is too large to build";

@@ -143,7 +143,7 @@ class PieceGains {
 /// The bound from piece sizes, from what is moved, or for each piece the better of the two.
 ///
 /// Admissible: yes. Sizes: each piece of n parts is cut n - 1 times, each cut of some size, and cuts of sizes that the
-///             limit forbids are left out. Moved parts: see PieceGains::part_gain. Other constraints only take choices
+///             limit forbids are left out. Moved parts: see PieceGains::by_parts. Other constraints only take choices
 ///             away.
 /// Consistent: yes, for every legal cut of S into A and B g(S) >= gain + g(A) + g(B), for each of the two, and so for
 ///             the smaller of the two.

@@ -187,9 +187,7 @@ Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& op
   if (auto result = detail::settled(system, "orasp-search")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
   if (!bound->known()) throw detail::no_bound(system, "orasp-search", options.bound);
-  Result result = options.incumbent != nullptr
-                      ? *options.incumbent
-                      : random_sequence(system, {.seed = options.seed}, budget);
+  Result result = random_sequence(system, {.seed = options.seed}, budget);
   result.method = "orasp-search";
   if (result.status == Status::Feasible) {
     if (system.words() == 1) {

@@ -11,7 +11,6 @@ namespace orasp {
 
 struct OraspSearchOptions {
   std::uint64_t seed = 1;             ///< of the random sequence that is the first incumbent
-  const Result* incumbent = nullptr;  ///< a plan to start from instead; must outlive the call
   BoundKind bound = BoundKind::Best;  ///< on what is left; None is the paper's
 };
 
