@@ -21,10 +21,10 @@ namespace orasp::cli {
 namespace {
 
 void refuse_foreign_options(const SolveOptions& options) {
-  const auto searches = {"orasp-search", "a-star", "beam"};
+  const auto searches = {"orasp-search", "a-star", "beam", "q-learning"};
   if (options.bound && std::ranges::find(searches, options.method) == searches.end()) {
     throw InputError(fmt::format(
-        "--bound belongs to the methods orasp-search, a-star and beam, not to {}", options.method));
+        "--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to {}", options.method));
   }
   if (options.method == "value-iteration") return;
   const char* const foreign = options.sweep_order     ? "--sweep-order"

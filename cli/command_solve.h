@@ -18,7 +18,7 @@ struct SolveOptions {
   LimitOptions limits;
   bool count = false;              ///< of the optimal sequences
   std::uint64_t alternatives = 0;  ///< how many of the best plans to list
-  std::optional<std::string> bound;  ///< of orasp-search, a-star and beam
+  std::optional<std::string> bound;  ///< of orasp-search, a-star, beam and q-learning
   // of value-iteration alone
   std::optional<std::string> sweep_order;
   std::optional<double> epsilon;

@@ -292,7 +292,7 @@ int solve_command(const Arguments& arguments) {
   line.text("--method", "METHOD", "One of those below (default: auto).", options.method);
   add_seed_option(line, options.seed, "the methods that draw random numbers");
   line.text("--bound", "BOUND",
-            fmt::format("orasp-search, a-star, beam: the upper bound on what is left: {} (default: "
+            fmt::format("orasp-search, a-star, beam, q-learning: the upper bound on what is left: {} (default: "
                         "best; none is the paper's).",
                         fmt::join(kBoundNames, ", ")),
             options.bound);

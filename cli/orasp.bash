@@ -4,7 +4,7 @@
 _orasp() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}
   local commands="solve graph evaluate explain compare sample scenarios completion"
-  local methods="auto value-iteration dijkstra bellman-ford orasp-search a-star beam and-or exhaustive greedy random"
+  local methods="auto value-iteration dijkstra bellman-ford orasp-search a-star beam and-or exhaustive greedy random q-learning"
   local objectives="piece_cost cubesat cubesat_zone custom indexed time travel fuel completion expression sum"
   local changes="--objective --direction --max-subassemblies --max-moved-parts --max-moved-mass"
   local limits="--time-limit --memory-limit --threads"

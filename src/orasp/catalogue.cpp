@@ -66,6 +66,10 @@ constexpr std::array kPlanners = {
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return random_sequence(system, {.seed = options.seed}, budget);
             }},
+    Planner{"q-learning", "tabular Q-learning from optimistic values; for small problems", true, false, 0, always,
+            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
+              return q_learning(system, {.seed = options.seed, .bound = options.bound}, budget);
+            }},
 };
 
 }  // namespace

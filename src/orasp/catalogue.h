@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "orasp/learning/q_learning.h"
 #include "orasp/model/problem.h"
 #include "orasp/planners/a_star.h"
 #include "orasp/planners/and_or.h"
@@ -25,7 +26,7 @@ struct Options {
   std::uint64_t seed = 1;  ///< of every planner that draws random numbers
   ValueIterationOptions value_iteration;
   BellmanFordOptions bellman_ford;
-  BoundKind bound = BoundKind::Best;  ///< of orasp-search, a-star and beam
+  BoundKind bound = BoundKind::Best;  ///< of orasp-search, a-star, beam and q-learning
 };
 
 /// One row of the catalogue.

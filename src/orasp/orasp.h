@@ -31,13 +31,14 @@
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
 ///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
 ///
-/// Folders: model (problem, rules), planners (one algorithm a pair of files), io (JSON, Graphviz), catalogue (all
+/// Folders: model (problem, rules), planners (one algorithm a pair of files), learning, io (JSON, Graphviz), catalogue (all
 /// planners by name). Errors: InputError, and nothing else is thrown on purpose. Units: kg, m, s.
 
 #include "orasp/catalogue.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/learning/q_learning.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/transition_system.h"

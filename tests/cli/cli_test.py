@@ -132,7 +132,7 @@ class Usage(Case):
             ("solve hubble --direction up", r'unknown direction "up"; it is disassembly or assembly'),
             ("solve hubble --epsilon 1 --method greedy", r"--epsilon belongs to the method value-iteration"),
             ("solve hubble --sweep-order up --method value-iteration", r'"up" is neither layers nor textbook'),
-            ("solve hubble --bound best", r"--bound belongs to the methods orasp-search, a-star and beam, not to auto"),
+            ("solve hubble --bound best", r"--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to auto"),
             ("solve hubble --bound best --method dijkstra", r"--bound belongs to .*, not to dijkstra"),
             ("solve hubble --bound bst --method a-star", r'--bound: "bst" is not a bound; bounds are none, connections, sizes, parts, best; did you mean "best"'  ),
             ("solve hubble --method a-star --bound", r"--bound needs a value, BOUND"),

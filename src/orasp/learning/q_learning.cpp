@@ -1,0 +1,210 @@
+#include "orasp/learning/q_learning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "orasp/model/scenario_generators.h"
+#include "orasp/planners/detail/growing_array.h"
+#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/detail/state_table.h"
+
+namespace orasp {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class Learner {
+ public:
+  Learner(const TransitionSystem& system, const QLearningOptions& options, const Budget& budget,
+          Bound& bound, Result& result)
+      : system_(system),
+        expander_(system),
+        bound_(bound),
+        budget_(budget),
+        random_(options.seed),
+        result_(result),
+        table_(system.words()) {}
+
+  void run() {
+    while (true) {
+      result_.stop = budget_.expired(bytes(), result_.statistics.expanded);
+      if (result_.stop != Stop::None) break;
+      if (!episode()) break;
+      ++result_.statistics.sweeps;
+      if (result_.statistics.sweeps % 256 == 0) {
+        budget_.report({.phase = "episodes",
+                        .done = result_.statistics.sweeps,
+                        .states = table_.size(),
+                        .best = result_.reward});
+      }
+      if (start_value() <= result_.reward + tolerance()) break;
+    }
+    result_.statistics.states = table_.size();
+    result_.statistics.actions = entries_.size();
+    result_.statistics.peak_bytes = bytes();
+    if (table_.size() == 0) return;
+    const double most = start_value();
+    if (most < kInfinity && most > -kInfinity) result_.bound = std::max(most, result_.reward);
+    if (!result_.sequence.empty()) {
+      const bool proved = most <= result_.reward + tolerance();
+      result_.status = proved ? Status::Optimal : Status::Feasible;
+      if (proved) {
+        result_.bound = result_.reward;
+        result_.stop = Stop::None;
+      }
+    } else if (most == -kInfinity && result_.stop == Stop::None) {
+      result_.status = Status::Infeasible;
+    }
+  }
+
+ private:
+  struct Entry {
+    double reward;
+    double value;  ///< Q: never below the truth
+    ConnectionIndex connection;
+  };
+  struct Taken {
+    std::uint32_t state;
+    std::size_t entry;
+  };
+
+  [[nodiscard]] double tolerance() const {
+    return kRewardTolerance * std::max(1.0, std::abs(result_.reward));
+  }
+  [[nodiscard]] std::uint64_t bytes() const {
+    return table_.bytes() + first_.bytes() + entries_.bytes();
+  }
+  [[nodiscard]] std::span<Entry> entries_of(std::uint32_t state) {
+    const std::size_t end =
+        state + std::size_t{1} < first_.size() ? first_[state + 1] : entries_.size();
+    return entries_.span().subspan(first_[state], end - first_[state]);
+  }
+  [[nodiscard]] double value(std::uint32_t state) {
+    double best = -kInfinity;
+    for (const Entry& entry : entries_of(state)) best = std::max(best, entry.value);
+    return best;
+  }
+  [[nodiscard]] double start_value() { return value(0); }
+
+  /// The number of a state, whose actions are worked out when it is met first.
+  std::uint32_t meet(const ConnectionSet& state, std::size_t open) {
+    const auto [number, is_new] = table_.insert(state.view().data());
+    if (!is_new) return number;
+    ++result_.statistics.expanded;
+    first_.push_back(entries_.size());
+    const auto legal = expander_.legal_actions(state.view());
+    rests_.assign(legal.size(), open == 1 ? 0 : kInfinity);
+    if (open > 1 && bound_.known())
+      bound_.of_successors(state.view(), bound_(state.view()), legal, rests_);
+    for (std::size_t i = 0; i < legal.size(); ++i)
+      entries_.push_back({legal[i].reward, legal[i].reward + rests_[i], legal[i].connection});
+    return number;
+  }
+
+  /// The action with the greatest value; each of several is as likely.
+  std::size_t choose(std::uint32_t state) {
+    const std::span<const Entry> entries = entries_of(state);
+    std::size_t chosen = 0;
+    std::uint64_t equal = 0;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (equal == 0 || entries[i].value > entries[chosen].value) {
+        chosen = i;
+        equal = 1;
+      } else if (entries[i].value == entries[chosen].value && random_.below(++equal) == 0) {
+        chosen = i;
+      }
+    }
+    return chosen;
+  }
+
+  /// One episode, and what it teaches. False where the budget ended it, or nothing promises a plan.
+  bool episode() {
+    ConnectionSet state = system_.start();
+    path_.clear();
+    double reward = 0;
+    bool ended = false;
+    for (std::size_t open = system_.num_connections(); open > 0; --open) {
+      const std::uint64_t before = result_.statistics.expanded;
+      const std::uint32_t number = meet(state, open);
+      if (value(number) == -kInfinity) {
+        if (path_.empty()) return false;
+        ended = true;
+        break;
+      }
+      const std::size_t chosen = choose(number);
+      const Entry& entry = entries_of(number)[chosen];
+      path_.push_back({number, chosen});
+      ++result_.statistics.generated;
+      reward += entry.reward;
+      state.erase(entry.connection);
+      const std::uint64_t now = result_.statistics.expanded;
+      if (now != before && (now % kLook == 0 || budget_.max_expansions < kLook)) {
+        result_.stop = budget_.expired(bytes(), now);
+        if (result_.stop != Stop::None && open > 1) return false;
+      }
+    }
+    double rest = ended ? -kInfinity : 0;
+    for (std::size_t t = path_.size(); t-- > 0;) {
+      Entry& entry = entries_of(path_[t].state)[path_[t].entry];
+      entry.value = std::min(entry.value, entry.reward + rest);
+      rest = value(path_[t].state);
+    }
+    if (!ended && (result_.sequence.empty() || reward > result_.reward)) {
+      result_.reward = reward;
+      result_.sequence.clear();
+      for (const Taken& step : path_)
+        result_.sequence.push_back(entries_of(step.state)[step.entry].connection);
+    }
+    return result_.stop == Stop::None;
+  }
+
+  static constexpr std::uint64_t kLook =
+      256;  ///< expansions from one look at the budget to the next
+
+  const TransitionSystem& system_;
+  Expander expander_;
+  Bound& bound_;
+  const Budget& budget_;
+  SplitMix64 random_;
+  Result& result_;
+  detail::StateTable<0> table_;
+  detail::GrowingArray<std::size_t> first_;  ///< by state: its first entry
+  detail::GrowingArray<Entry> entries_;
+  std::vector<double> rests_;
+  std::vector<Taken> path_;
+};
+
+}  // namespace
+
+Result q_learning(const TransitionSystem& system, const QLearningOptions& options,
+                  const Budget& budget) {
+  const Stopwatch watch;
+  if (auto result = detail::settled(system, "q-learning")) return *result;
+  Result result;
+  result.method = "q-learning";
+  if (system.num_connections() == 0) {
+    result.status = Status::Optimal;
+    result.reward = 0;
+    result.bound = 0;
+  } else {
+    const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
+    Learner(system, options, budget, *bound, result).run();
+    if (result.stop != Stop::None && !result.has_plan()) {
+      const std::optional<double> most = result.bound;
+      result = detail::stopped(system, "q-learning", result.stop, result.statistics);
+      result.bound = most;
+    } else if (result.status == Status::Infeasible) {
+      result = detail::exhausted("q-learning", result.statistics);
+    }
+  }
+  result.seed = options.seed;
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace orasp
