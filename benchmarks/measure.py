@@ -4,14 +4,16 @@
     benchmarks/measure.py [PROGRAM] [--only SECTION,...] [--limit SECONDS] [--shared FOLDER]
 
 Sections: expansions, bounds, growth, comparison (docs/performance.md, docs/images/growth.svg) and problems
-(docs/problems.md, from FOLDER/problems; the default folder is $ORASP_SHARED or ../shared). In the pages each section
-stands between <!-- begin: SECTION --> and <!-- end: SECTION -->. All take about a quarter of an hour. Standard library
+(docs/problems.md, from FOLDER/problems; the default folder is $ORASP_SHARED or ../shared), and, only if named, learning
+and ablations (docs/learning.md, from there too; an hour). In the pages each section stands between <!-- begin: SECTION --> and <!-- end: SECTION -->. All take about a quarter of an hour. Standard library
 only.
 """
 import argparse
+import concurrent.futures
 import json
 import math
 import os
+import random
 import re
 import subprocess
 import sys
@@ -304,6 +306,108 @@ def comparison():
     write_section("docs/performance.md", "comparison", table(head, rows))
 
 
+SEEDS = range(1, 6)
+
+
+def trainings(problem, limit, options=()):
+    """One training for each seed, two at a time: (what its policy earns, seconds)."""
+    def train(seed):
+        done = subprocess.run([ARGUMENTS.program, "train", problem, "--seed", str(seed), "--time-limit", str(limit), "--quiet",
+                               "--json", *options], stdin=subprocess.DEVNULL, capture_output=True, check=False)
+        outcome = json.loads(done.stdout)
+        return outcome["policy_reward"], outcome["seconds"]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        return list(pool.map(train, SEEDS))
+
+
+def fuel_problem():
+    """hubble-upc with random masses: what a step earns is no linear function of anything."""
+    scenario = subprocess.run([ARGUMENTS.program, "scenarios", "hubble-upc"], capture_output=True, check=True).stdout
+    problem = json.loads(scenario)
+    masses = random.Random(1)
+    for part in problem["parts"]:
+        part["mass"] = round(masses.uniform(1, 200), 1)
+    problem["objective"] = {"type": "fuel"}
+    path = Path(SCRATCH.name) / "hubble-upc-fuel.json"
+    path.write_text(json.dumps(problem), encoding="utf-8")
+    return str(path)
+
+
+def learned_problems():
+    """(name, problem, limit of a training in seconds)."""
+    rows = [("hubble-upc", "hubble-upc", 60), ("iss-upc", "iss-upc", 120), ("jwst-upc", "jwst-upc", 120),
+            ("hubble-upc, fuel", fuel_problem(), 60)]
+    for name in ["furniture/bookcase_billy_0190", "furniture/bed_dalselv_0270", "furniture/desk_hannes_0529",
+                 "lego/lego-013", "lego/lego-001", "lego/lego-045"]:
+        path = Path(ARGUMENTS.shared) / "problems" / f"{name}.json"
+        if not path.exists():
+            sys.exit(f"no file {path}; name the folder that holds problems/ with --shared or ORASP_SHARED")
+        rows.append((path.stem, str(path), 60))
+    return rows
+
+
+def reached(reward, best):
+    return reward >= best - 1e-9 * max(1, abs(best))
+
+
+def learning():
+    rows = []
+    for name, problem, limit in learned_problems():
+        best = Run(problem, limit=60).plan
+        sample = json.loads(subprocess.run([ARGUMENTS.program, "sample", problem, "--json", "--quiet"], capture_output=True,
+                                           check=True).stdout)
+        outcomes = trainings(problem, limit)
+        rewards = sorted(reward for reward, _ in outcomes)
+        seconds = sorted(seconds for _, seconds in outcomes)
+        plain = [sample["mean"], sample["max"], Run(problem, method="greedy").plan["reward"], rewards[0], rewards[2],
+                 best["reward"]]
+        rows.append([name, str(len(best["disassembly"])), *(f"{reward:.4f}" for reward in plain),
+                     f"{sum(reached(reward, best['reward']) for reward in rewards)} of 5",
+                     f"{figure(seconds[2])}, {figure(seconds[-1])}"])
+        if best["status"] != "optimal":
+            rows[-1][7] += " (not proved)"
+        print(" ".join(rows[-1]), file=sys.stderr, flush=True)
+    head = ["problem", "connections", "random: mean", "best of 100", "`greedy`", "policy: worst seed", "median", "optimum",
+            "seeds there", "s: median, most"]
+    write_section("docs/learning.md", "learning", table(head, rows))
+
+
+VARIANTS = [
+    ("as it is", []),
+    ("without double Q", ["--no-double-q"]),
+    ("targets of one step", ["--n-step", "1"]),
+    ("targets of all steps", ["--n-step", "0"]),
+    ("returns not as lower bounds", ["--no-returns"]),
+    ("without imitation", ["--imitation", "0"]),
+    ("rewards not known", ["--no-known-reward"]),
+    ("rewards not scaled", ["--no-scaling"]),
+    ("curriculum over half of the training", ["--curriculum", "0.5"]),
+    ("one gradient step a step", ["--updates-per-step", "1"]),
+    ("one exploring episode at a time", ["--environments", "1", "--updates-per-step", "1"]),
+    ("the paper's, with masks", ["--no-double-q", "--n-step", "1", "--no-returns", "--imitation", "0", "--no-known-reward",
+                                 "--no-scaling", "--curriculum", "0.5", "--environments", "1", "--updates-per-step", "1"]),
+]
+
+
+def ablations():
+    chosen = ["hubble-upc", "iss-upc", "bookcase_billy_0190", "bed_dalselv_0270", "lego-001"]
+    problems = [row for row in learned_problems() if row[0] in chosen]
+    bests = {name: Run(problem, limit=60).plan["reward"] for name, problem, _ in problems}
+    rows = []
+    for title, options in VARIANTS:
+        rows.append([title])
+        hits_of_all = 0
+        for name, problem, _ in problems:
+            outcomes = trainings(problem, 60, options)
+            hits = sum(reached(reward, bests[name]) for reward, _ in outcomes)
+            hits_of_all += hits
+            gap = sum(bests[name] - reward for reward, _ in outcomes) / len(outcomes)
+            rows[-1].append(f"{hits}, {gap:.3f}, {figure(sorted(seconds for _, seconds in outcomes)[2])} s")
+        rows[-1].append(f"{hits_of_all} of {5 * len(problems)}")
+        print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
+    write_section("docs/learning.md", "ablations", table(["variant", *(name for name, _, _ in problems), "in all"], rows))
+
+
 def problems():
     folder = Path(ARGUMENTS.shared) / "problems"
     if not folder.is_dir():
@@ -329,12 +433,14 @@ def problems():
 
 
 SECTIONS = {"expansions": expansions, "bounds": bounds, "growth": growth, "comparison": comparison,
-            "problems": problems}
+            "problems": problems, "learning": learning, "ablations": ablations}
+LONG = ["learning", "ablations"]
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?", default=str(ROOT / "build/release/orasp"))
-    parser.add_argument("--only", default=",".join(SECTIONS), help="sections, joined by commas")
+    parser.add_argument("--only", default=",".join(name for name in SECTIONS if name not in LONG),
+                        help="sections, joined by commas")
     parser.add_argument("--limit", type=float, default=10, help="seconds of each run (default: 10)")
     parser.add_argument("--shared", default=os.environ.get("ORASP_SHARED", str(ROOT.parent / "shared")))
     ARGUMENTS = parser.parse_args()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct Sample {
   std::vector<double> rewards;  ///< in the order in which they were drawn
   std::vector<std::vector<ConnectionIndex>> sequences;
   Result last;  ///< of the draw that ended the sample early, if one did
+};
+
+/// What a policy earns, and what there is to earn.
+struct Yardstick {
+  double policy = 0;
+  Result best;  ///< of `auto`
 };
 
 /// What is reported of the rewards; all 0 where there are none.
@@ -78,7 +85,20 @@ Sample draw(const TransitionSystem& system, const SampleOptions& options, const 
   return sample;
 }
 
+/// `auto` gets the time limit, 10 s where there is none.
+std::optional<Yardstick> yardstick(const Problem& problem, const TransitionSystem& system,
+                                   const SampleOptions& options) {
+  if (options.policy.empty()) return std::nullopt;
+  const PolicyFile file = read_policy(options.policy, problem);
+  LimitOptions limits = options.limits;
+  if (!limits.time_limit) limits.time_limit = 10;
+  const Result followed = follow_policy(system, file.trained.policy, make_budget(limits));
+  if (!followed.has_plan()) throw InputError(fmt::format("{} finds no plan", options.policy));
+  return Yardstick{followed.reward, solve(problem, "auto", {}, make_budget(limits))};
+}
+
 nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, const Figures& figures,
+                               const std::optional<Yardstick>& yardstick,
                                const SampleOptions& options) {
   const auto number = [&](double value) {
     return sample.rewards.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
@@ -93,6 +113,16 @@ nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, con
        {number(figures.quartiles[0]), number(figures.quartiles[1]), number(figures.quartiles[2])}},
       {"max", number(figures.greatest)},
       {"rewards", sample.rewards}};
+  if (yardstick) {
+    const Result& best = yardstick->best;
+    document["policy_reward"] = yardstick->policy;
+    document["best_status"] = status_name(best.status);
+    document["best_reward"] =
+        best.has_plan() ? nlohmann::ordered_json(best.reward) : nlohmann::ordered_json();
+    document["bound"] = best.bound && std::isfinite(*best.bound)
+                            ? nlohmann::ordered_json(*best.bound)
+                            : nlohmann::ordered_json();
+  }
   if (options.sequences) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const auto& sequence : sample.sequences) {
@@ -136,8 +166,24 @@ std::string histogram(const std::vector<double>& rewards, const Figures& figures
   return text;
 }
 
+std::string yardstick_text(const Yardstick& yardstick, const Sample& sample) {
+  const auto beaten = static_cast<std::size_t>(std::ranges::count_if(
+      sample.rewards, [&](double reward) { return reward < yardstick.policy; }));
+  std::string text =
+      fmt::format("\n{:<14}  {:.6g}, more than {} of {}\n", "policy", yardstick.policy,
+                  grouped(beaten), counted(sample.rewards.size(), "random sequence"));
+  const Result& best = yardstick.best;
+  if (best.has_plan())
+    text += fmt::format("{:<14}  {:.6g}, {}\n", "best plan", best.reward,
+                        best.status == Status::Optimal ? "proved optimal" : "not proved optimal");
+  if (best.status != Status::Optimal && best.bound && std::isfinite(*best.bound))
+    text += fmt::format("{:<14}  {:.6g}\n", "bound", *best.bound);
+  return text;
+}
+
 std::string summary(const Problem& problem, const Sample& sample, const Figures& figures,
-                    const SampleOptions& options, const Context& context) {
+                    const std::optional<Yardstick>& yardstick, const SampleOptions& options,
+                    const Context& context) {
   std::string text = fmt::format("{}: {} of {}, seed {}\n", title(problem, options.problem),
                                  grouped(sample.rewards.size()),
                                  counted(options.count, "random sequence"), options.seed);
@@ -155,6 +201,7 @@ std::string summary(const Problem& problem, const Sample& sample, const Figures&
     const std::string bars = histogram(sample.rewards, figures, context.width());
     if (!bars.empty()) text += fmt::format("\nrewards from\n{}", bars);
   }
+  if (yardstick) text += yardstick_text(*yardstick, sample);
   if (sample.last.status == Status::Infeasible)
     text += "\ninfeasible (proved): no sequence handles every connection\n";
   if (sample.last.stop != Stop::None) text += '\n' + stop_text(sample.last.stop) + '\n';
@@ -167,6 +214,7 @@ std::string summary(const Problem& problem, const Sample& sample, const Figures&
 int run(const SampleOptions& options, const Context& context) {
   const Problem problem = load_problem(options.problem, options.changes, context);
   const TransitionSystem system(problem);
+  const std::optional<Yardstick> compared = yardstick(problem, system, options);
   Sample sample;
   {
     ProgressLine progress(context, title(problem, options.problem) + ", sample");
@@ -183,8 +231,9 @@ int run(const SampleOptions& options, const Context& context) {
   if (options.json) {
     for (const std::string& note : sample.last.notes) context.warn(printable(note));
   }
-  print_result(context, options.output, options.json, as_json(problem, sample, figures, options),
-               [&] { return summary(problem, sample, figures, options, context); });
+  print_result(context, options.output, options.json,
+               as_json(problem, sample, figures, compared, options),
+               [&] { return summary(problem, sample, figures, compared, options, context); });
   if (sample.rewards.size() == options.count) return kSolved;
   return exit_code(sample.last);
 }

@@ -13,7 +13,8 @@ struct SampleOptions {
   std::uint64_t seed = 1;
   bool json = false;
   bool sequences = false;  ///< the sequences too, in the JSON
-  std::string output;      ///< file for the JSON; empty: none
+  std::string policy;  ///< file: what it earns beside the sample, and the best plan; empty: neither
+  std::string output;  ///< file for the JSON; empty: none
   ProblemChanges changes;
   LimitOptions limits;
 };

@@ -24,7 +24,11 @@ void refuse_foreign_options(const SolveOptions& options) {
   const auto searches = {"orasp-search", "a-star", "beam", "q-learning"};
   if (options.bound && std::ranges::find(searches, options.method) == searches.end()) {
     throw InputError(fmt::format(
-        "--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to {}", options.method));
+        "--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to {}",
+        options.method));
+  }
+  if (!options.policy.empty() && options.method != "dqn") {
+    throw InputError(fmt::format("--policy belongs to the method dqn, not to {}", options.method));
   }
   if (options.method == "value-iteration") return;
   const char* const foreign = options.sweep_order     ? "--sweep-order"
@@ -70,6 +74,7 @@ Settings settings_of(const SolveOptions& options) {
   note_changes(options.changes, settings);
   note_limits(options.limits, settings);
   if (options.bound) settings["bound"] = json_string(*options.bound);
+  if (!options.policy.empty()) settings["policy"] = json_string(options.policy);
   if (options.sweep_order) settings["sweep-order"] = json_string(*options.sweep_order);
   if (options.epsilon) settings["epsilon"] = fmt::to_string(*options.epsilon);
   if (options.max_sweeps) settings["max-sweeps"] = fmt::to_string(*options.max_sweeps);
@@ -214,8 +219,12 @@ std::string summary(const Problem& problem, const Result& result, const Alternat
 int run(const SolveOptions& options, const Context& context) {
   const Planner& planner = planner_named(options.method);
   refuse_foreign_options(options);
-  const Options chosen = planner_options(options);
+  Options chosen = planner_options(options);
   const Problem problem = load_problem(options.problem, options.changes, context);
+  if (!options.policy.empty()) {
+    chosen.policy =
+        std::make_shared<const Policy>(read_policy(options.policy, problem).trained.policy);
+  }
 
   Result result;
   Alternatives alternatives;

@@ -19,6 +19,7 @@ struct SolveOptions {
   bool count = false;              ///< of the optimal sequences
   std::uint64_t alternatives = 0;  ///< how many of the best plans to list
   std::optional<std::string> bound;  ///< of orasp-search, a-star, beam and q-learning
+  std::string policy;                ///< file, of dqn; empty: train first
   // of value-iteration alone
   std::optional<std::string> sweep_order;
   std::optional<double> epsilon;

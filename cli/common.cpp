@@ -136,6 +136,26 @@ PlanFile read_plan(const std::string& file, Direction direction) {
   }
 }
 
+PolicyFile read_policy(const std::string& file, const Problem& problem) {
+  const std::string bytes = read_text(file);
+  PolicyFile policy;
+  try {
+    policy = parse_policy(bytes);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", spoken(file), error.what()));
+  }
+  const std::string digest = problem_digest(problem);
+  if (policy.problem_digest != digest) {
+    throw InputError(fmt::format(
+        "{} was trained on another problem than this one: on {} with digest {}..., not on {} with "
+        "{}..., objective, limits and "
+        "direction included",
+        spoken(file), in_quotes(policy.problem_name), policy.problem_digest.substr(0, 12),
+        in_quotes(problem.name()), digest.substr(0, 12)));
+  }
+  return policy;
+}
+
 std::string title(const Problem& problem, const std::string& typed) {
   if (!problem.name().empty()) return printable(problem.name());
   return typed == "-" ? "standard input" : printable(typed);

@@ -10,6 +10,7 @@
 #include "cli/context.h"
 #include "orasp/catalogue.h"
 #include "orasp/io/plan_json.h"
+#include "orasp/io/policy_file.h"
 #include "orasp/model/problem.h"
 
 namespace orasp::cli {
@@ -41,6 +42,9 @@ struct LimitOptions {
 
 /// Reads PLAN ("-" is standard input) for a problem of this direction. @throws InputError.
 [[nodiscard]] PlanFile read_plan(const std::string& file, Direction direction);
+
+/// Reads a policy that was trained on this very problem. @throws InputError.
+[[nodiscard]] PolicyFile read_policy(const std::string& file, const Problem& problem);
 
 /// What to call a problem in a sentence: its name, else what the user typed.
 [[nodiscard]] std::string title(const Problem& problem, const std::string& typed);

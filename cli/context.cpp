@@ -56,6 +56,10 @@ void Context::warn(std::string_view sentence) const {
   if (!quiet_) write_to_stderr(fmt::format("orasp: warning: {}\n", sentence));
 }
 
+void Context::say(std::string_view line) const {
+  if (!quiet_) write_to_stderr(fmt::format("{}\n", line));
+}
+
 void print_error(std::string_view sentence) {
   write_to_stderr(fmt::format("orasp: {}\n", sentence));
 }

@@ -18,6 +18,9 @@ class Context {
   /// `orasp: warning: ...` on standard error, unless --quiet.
   void warn(std::string_view sentence) const;
 
+  /// A line on standard error, unless --quiet.
+  void say(std::string_view line) const;
+
   /// Standard output is a terminal and NO_COLOR is not set (https://no-color.org).
   [[nodiscard]] bool colour() const { return colour_; }
   /// Columns of the terminal, 100 where standard output is none.

@@ -3,8 +3,8 @@
 
 _orasp() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}
-  local commands="solve graph evaluate explain compare sample scenarios completion"
-  local methods="auto value-iteration dijkstra bellman-ford orasp-search a-star beam and-or exhaustive greedy random q-learning"
+  local commands="solve graph evaluate explain compare sample train scenarios completion"
+  local methods="auto value-iteration dijkstra bellman-ford orasp-search a-star beam and-or exhaustive greedy random q-learning dqn"
   local objectives="piece_cost cubesat cubesat_zone custom indexed time travel fuel completion expression sum"
   local changes="--objective --direction --max-subassemblies --max-moved-parts --max-moved-mass"
   local limits="--time-limit --memory-limit --threads"
@@ -48,17 +48,24 @@ _orasp() {
       mapfile -t COMPREPLY < <(compgen -W "none connections sizes parts best" -- "$current")
       return
       ;;
+    --device)
+      mapfile -t COMPREPLY < <(compgen -W "auto cpu cuda" -- "$current")
+      return
+      ;;
     --sweep-order)
       mapfile -t COMPREPLY < <(compgen -W "layers textbook" -- "$current")
       return
       ;;
-    -o | --output | --dot | --svg | --plan)
+    -o | --output | --dot | --svg | --plan | --policy | --resume | --log)
       mapfile -t COMPREPLY < <(compgen -f -- "$current")
       compopt -o filenames
       return
       ;;
     --seed | --epsilon | --max-sweeps | --initial-value | --max-subassemblies | --max-moved-parts | \
-      --max-moved-mass | --time-limit | --memory-limit | --threads | -n | --alternatives | --connection | --step)
+      --max-moved-mass | --time-limit | --memory-limit | --threads | -n | --alternatives | --connection | --step | \
+      --checkpoint-every | --episodes | --hidden | --learning-rate | --batch | --replay | --discount | --epsilon-start | \
+      --epsilon-end | --epsilon-decay | --target-rate | --gradient-clip | --curriculum | --environments | \
+      --updates-per-step | --n-step | --imitation)
       return
       ;;
     --count)
@@ -67,12 +74,18 @@ _orasp() {
   esac
 
   case $command in
-    solve) options="--method --seed --bound --sweep-order --epsilon --max-sweeps --initial-value --count --alternatives $changes $limits $output" ;;
+    solve) options="--method --seed --bound --policy --sweep-order --epsilon --max-sweeps --initial-value --count --alternatives $changes $limits $output" ;;
     graph) options="--dot --svg $changes $limits $output" ;;
     evaluate) options="$changes $output" ;;
     explain) options="--connection --plan --step $changes $limits $output" ;;
     compare) options="--methods --seed --csv --markdown $changes $limits $output" ;;
-    sample) options="--count --seed --sequences $changes $limits $output" ;;
+    sample) options="--count --seed --policy --sequences $changes $limits $output" ;;
+    train)
+      options="--output --resume --log --checkpoint-every --episodes --seed --device --to-the-end --hidden --learning-rate --batch
+        --replay --discount --epsilon-start --epsilon-end --epsilon-decay --target-rate --gradient-clip --curriculum --environments
+        --updates-per-step --n-step --imitation --no-double-q --no-returns --no-known-reward --no-scaling $changes --time-limit
+        --memory-limit --json --quiet"
+      ;;
     scenarios) options=$output ;;
     completion)
       mapfile -t COMPREPLY < <(compgen -W "bash --help" -- "$current")

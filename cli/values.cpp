@@ -1,5 +1,6 @@
 #include "cli/values.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -32,15 +33,39 @@ std::uint64_t whole_number(std::string_view option, std::string_view text, std::
                                in_quotes(text), least, greatest));
 }
 
+std::vector<std::size_t> whole_numbers(std::string_view option, std::string_view text,
+                                       std::uint64_t least, std::uint64_t greatest) {
+  std::vector<std::size_t> numbers;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    numbers.push_back(whole_number(option, text.substr(begin, end - begin), least, greatest));
+    begin = end + 1;
+  }
+  return numbers;
+}
+
 double number(std::string_view option, std::string_view text, Sign sign) {
   const auto value = parsed<double>(text);
   const bool finite = value && std::isfinite(*value);
-  const bool allowed =
-      finite && (sign == Sign::Any || (sign == Sign::NotNegative ? *value >= 0 : *value > 0));
+  bool allowed = finite;
+  const char* wanted = "a number";
+  switch (sign) {
+    case Sign::Any: break;
+    case Sign::NotNegative:
+      allowed = finite && *value >= 0;
+      wanted = "a number of 0 or more";
+      break;
+    case Sign::Positive:
+      allowed = finite && *value > 0;
+      wanted = "a number above 0";
+      break;
+    case Sign::Share:
+      allowed = finite && *value >= 0 && *value <= 1;
+      wanted = "a number from 0 to 1";
+      break;
+  }
   if (allowed) return *value;
-  const char* const wanted = sign == Sign::Any           ? "a number"
-                             : sign == Sign::NotNegative ? "a number of 0 or more"
-                                                         : "a number above 0";
   throw InputError(fmt::format("{}: {} is not {}", option, in_quotes(text), wanted));
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace orasp::cli {
 
@@ -13,7 +14,12 @@ namespace orasp::cli {
     std::string_view option, std::string_view text, std::uint64_t least,
     std::uint64_t greatest = std::numeric_limits<std::uint64_t>::max());
 
-enum class Sign { Any, NotNegative, Positive };
+/// Whole numbers, separated by commas.
+[[nodiscard]] std::vector<std::size_t> whole_numbers(std::string_view option, std::string_view text,
+                                                     std::uint64_t least, std::uint64_t greatest);
+
+/// Share: from 0 to 1.
+enum class Sign { Any, NotNegative, Positive, Share };
 /// A finite number.
 [[nodiscard]] double number(std::string_view option, std::string_view text, Sign sign);
 

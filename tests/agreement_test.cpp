@@ -101,9 +101,9 @@ TEST_P(Agreement, EveryPlannerIsRightAboutEveryProblem) {
         continue;
       SCOPED_TRACE(std::string(planner.name));
       try {
-        const Result result = solve(problem, planner.name);
+        const Result result = solve(problem, planner.name, quick_options());
         expect_honest(problem, truth, planner, result);
-        expect_same_answer(result, solve(problem, planner.name, {}, two_threads));
+        expect_same_answer(result, solve(problem, planner.name, quick_options(), two_threads));
       } catch (const InputError& error) {
         const TransitionSystem system(problem);
         if (planner.name == "and-or") {

@@ -12,7 +12,9 @@ void expect_honest(const Problem& problem, const oracle::OracleResult& truth,
   // `auto` proves small problems, by whatever method it chose, and may answer in its name.
   const bool is_auto = planner.name == "auto";
   // `and-or` proves where its cut tree can be carried out, and otherwise has a plan and a bound.
-  const bool may_prove = planner.name == "and-or" && result.status == Status::Optimal;
+  // `dqn` where what it learned earns a bound.
+  const bool may_prove =
+      (planner.name == "and-or" || planner.name == "dqn") && result.status == Status::Optimal;
   const bool proves = planner.exact || is_auto || may_prove || problem.num_connections() == 0;
   if (!is_auto) {
     EXPECT_EQ(result.method, planner.name);

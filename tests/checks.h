@@ -16,6 +16,15 @@ namespace orasp {
   return 1e-9 * std::max(1.0, std::isfinite(reward) ? std::abs(reward) : 1.0);
 }
 
+/// What planners run with where their answers must be right but not the best: training is one round of episodes.
+[[nodiscard]] inline Options quick_options() {
+  Options options;
+  options.dqn.episodes = 65;  // 64 random ones, and a round
+  options.dqn.updates_per_step = 1;
+  options.dqn.hidden = {16};
+  return options;
+}
+
 /// Everything that must hold of any answer of any planner to `problem`, stopped or not: a plan is legal and its reward
 /// is right (by the oracle and by evaluate()), claims of optimality and infeasibility and the bound are true, and a
 /// planner that was not stopped has settled what it must. `truth` is brute_force() of the problem.

@@ -32,13 +32,14 @@ THIRD_PARTY = {
     "sha256.h": r"src/orasp/io/.*\.cpp|tests/.*",
     "boost": r"src/orasp/planners/(graph_size|alternatives)\.cpp|tests/.*",
     "torch": r"src/orasp/learning/.*\.cpp",
+    "ATen": r"src/orasp/learning/.*\.cpp",
     "CLI": r"cli/main\.cpp",
     "gtest": r"tests/.*",
     "gmock": r"tests/.*",
     "benchmark": r"benchmarks/.*",
 }
 # The operating system and the processor: anywhere but in the model and in public headers.
-PLATFORM = {"sys", "unistd.h", "fcntl.h", "malloc.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h",
+PLATFORM = {"sys", "dlfcn.h", "unistd.h", "fcntl.h", "malloc.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h",
             "immintrin.h"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -4,7 +4,8 @@
 
 run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev libmuparser-dev libboost-dev libmd-dev
               graphviz)
-test_packages=("${run_packages[@]}" libgtest-dev libbenchmark-dev python3)
+learning_packages=(libtorch-dev libopenblas0-pthread)
+test_packages=("${run_packages[@]}" "${learning_packages[@]}" libgtest-dev libbenchmark-dev python3)
 
 die() {
   printf 'orasp: %s\n' "$*" >&2

@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "orasp/learning/network.h"
 #include "orasp/planners/automatic.h"
 
 namespace orasp {
@@ -69,6 +70,14 @@ constexpr std::array kPlanners = {
     Planner{"q-learning", "tabular Q-learning from optimistic values; for small problems", true, false, 0, always,
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return q_learning(system, {.seed = options.seed, .bound = options.bound}, budget);
+            }},
+    Planner{"dqn", "a deep Q-network, trained first unless a policy is given", false, false, 0,
+            network_available,
+            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
+              if (options.policy) return follow_policy(system, *options.policy, budget);
+              DqnOptions chosen = options.dqn;
+              chosen.seed = options.seed;
+              return dqn(system, chosen, budget);
             }},
 };
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string_view>
 
+#include "orasp/learning/dqn.h"
 #include "orasp/learning/q_learning.h"
 #include "orasp/model/problem.h"
 #include "orasp/planners/a_star.h"
@@ -15,6 +17,7 @@
 #include "orasp/planners/exhaustive.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/orasp_search.h"
+#include "orasp/planners/policy.h"
 #include "orasp/planners/random_sequence.h"
 #include "orasp/planners/result.h"
 #include "orasp/planners/value_iteration.h"
@@ -27,6 +30,8 @@ struct Options {
   ValueIterationOptions value_iteration;
   BellmanFordOptions bellman_ford;
   BoundKind bound = BoundKind::Best;  ///< of orasp-search, a-star, beam and q-learning
+  DqnOptions dqn;                     ///< but for its seed
+  std::shared_ptr<const Policy> policy;  ///< of dqn: plan with it; empty: train first
 };
 
 /// One row of the catalogue.

@@ -31,6 +31,10 @@
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
 ///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
 ///
+///     // Learning: a policy that answers in microseconds from any state. Needs libtorch to train, not to plan.
+///     const orasp::Training training = orasp::train(system, {}, orasp::Budget::with_time_limit(60));
+///     orasp::follow_policy(system, training.trained.policy, {});
+///
 /// Folders: model (problem, rules), planners (one algorithm a pair of files), learning, io (JSON, Graphviz), catalogue (all
 /// planners by name). Errors: InputError, and nothing else is thrown on purpose. Units: kg, m, s.
 
@@ -38,6 +42,8 @@
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/learning/dqn.h"
+#include "orasp/learning/environment.h"
 #include "orasp/learning/q_learning.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/scenario_generators.h"
@@ -53,4 +59,5 @@
 #include "orasp/planners/explain.h"
 #include "orasp/planners/graph_size.h"
 #include "orasp/planners/plan_order.h"
+#include "orasp/planners/policy.h"
 #include "orasp/planners/state_graph.h"

@@ -29,7 +29,7 @@ class PlannerContract : public testing::TestWithParam<std::size_t> {
   }
   [[nodiscard]] const Planner& planner() const { return planners()[GetParam()]; }
   [[nodiscard]] Result run(const Problem& problem, const Budget& budget = {},
-                           const Options& options = {}) const {
+                           const Options& options = quick_options()) const {
     return solve(problem, planner().name, options, budget);
   }
   /// Runs it on a problem small enough for brute force and checks all that must hold of the answer.

@@ -46,6 +46,8 @@ class SplitMix64 {
   }
   /// Uniform in [0, 1).
   [[nodiscard]] double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  /// A generator made with it as its seed goes on from here.
+  [[nodiscard]] std::uint64_t state() const { return state_; }
 
  private:
   std::uint64_t state_;

@@ -1,0 +1,168 @@
+#include "orasp/io/policy_file.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "orasp/io/digest.h"
+#include "orasp/model/error.h"
+
+namespace orasp {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little,
+              "policy files hold little-endian numbers");
+
+constexpr std::string_view kBegin = "{\"format\":\"orasp-policy/1\"";
+constexpr std::size_t kChecksum = 64;  ///< hex digits at the end
+constexpr std::size_t kMostUnits = 65'536;
+
+void append(std::string& bytes, const std::vector<float>& numbers) {
+  const std::size_t begin = bytes.size();
+  bytes.resize(begin + numbers.size() * sizeof(float));
+  if (!numbers.empty())
+    std::memcpy(bytes.data() + begin, numbers.data(), numbers.size() * sizeof(float));
+}
+
+/// Takes floats off the front of the bytes that follow the header.
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  [[nodiscard]] std::vector<float> take(std::size_t count) {
+    if (count > bytes_.size() / sizeof(float))
+      throw InputError("it holds fewer numbers than its first line says");
+    std::vector<float> numbers(count);
+    if (count > 0) std::memcpy(numbers.data(), bytes_.data(), count * sizeof(float));
+    bytes_.remove_prefix(count * sizeof(float));
+    for (const float number : numbers) {
+      if (!std::isfinite(number)) throw InputError("it holds a number that is not finite");
+    }
+    return numbers;
+  }
+  void end() const {
+    if (!bytes_.empty()) throw InputError("it holds more numbers than its first line says");
+  }
+
+ private:
+  std::string_view bytes_;
+};
+
+Json header_of(const PolicyFile& file) {
+  Json layers = Json::array();
+  for (const DenseLayer& layer : file.trained.policy.layers)
+    layers.push_back({layer.inputs, layer.outputs});
+  const TrainingState& training = file.trained.training;
+  return {{"format", "orasp-policy/1"},
+          {"problem_digest", file.problem_digest},
+          {"problem", file.problem_name},
+          {"reward", std::isfinite(file.trained.reward) ? Json(file.trained.reward) : Json()},
+          {"layers", std::move(layers)},
+          {"scale", file.trained.policy.scale},
+          {"adds_reward", file.trained.policy.adds_reward},
+          {"training",
+           {{"episodes", training.episodes},
+            {"steps", training.steps},
+            {"updates", training.updates},
+            {"seconds", training.seconds},
+            {"scale", training.scale},
+            {"baseline", training.baseline},
+            {"hidden", training.hidden},
+            {"known_reward", training.known_reward},
+            {"random", fmt::to_string(training.random)},
+            {"best", training.best},
+            {"numbers", training.network.size()}}}};
+}
+
+PolicyFile from_header(const Json& header, Reader& reader) {
+  PolicyFile file;
+  file.problem_digest = header.at("problem_digest").get<std::string>();
+  file.problem_name = header.at("problem").get<std::string>();
+  if (!header.at("reward").is_null()) file.trained.reward = header.at("reward").get<double>();
+  file.trained.policy.scale = header.at("scale").get<double>();
+  file.trained.policy.adds_reward = header.at("adds_reward").get<bool>();
+  if (!(file.trained.policy.scale > 0) || !std::isfinite(file.trained.policy.scale))
+    throw InputError("its scale is not a number above 0");
+  for (const Json& shape : header.at("layers")) {
+    DenseLayer layer;
+    layer.inputs = shape.at(0).get<std::size_t>();
+    layer.outputs = shape.at(1).get<std::size_t>();
+    const bool fits = file.trained.policy.layers.empty() ||
+                      file.trained.policy.layers.back().outputs == layer.inputs;
+    if (!fits || layer.inputs > kMostUnits || layer.outputs > kMostUnits)
+      throw InputError("its layers do not fit together");
+    layer.weights = reader.take(layer.inputs * layer.outputs);
+    layer.bias = reader.take(layer.outputs);
+    file.trained.policy.layers.push_back(std::move(layer));
+  }
+  if (file.trained.policy.layers.empty() ||
+      file.trained.policy.layers.front().inputs != file.trained.policy.layers.back().outputs)
+    throw InputError("its layers do not fit together");
+  const Json& training = header.at("training");
+  file.trained.training.episodes = training.at("episodes").get<std::uint64_t>();
+  file.trained.training.steps = training.at("steps").get<std::uint64_t>();
+  file.trained.training.updates = training.at("updates").get<std::uint64_t>();
+  file.trained.training.seconds = training.at("seconds").get<double>();
+  file.trained.training.scale = training.at("scale").get<double>();
+  file.trained.training.baseline = training.at("baseline").get<std::vector<double>>();
+  file.trained.training.hidden = training.at("hidden").get<std::vector<std::size_t>>();
+  file.trained.training.known_reward = training.at("known_reward").get<bool>();
+  file.trained.training.random = std::stoull(training.at("random").get<std::string>());
+  file.trained.training.best = training.at("best").get<std::vector<ConnectionIndex>>();
+  file.trained.training.network = reader.take(training.at("numbers").get<std::size_t>());
+  reader.end();
+  const std::size_t connections = file.trained.policy.num_connections();
+  const auto& baseline = file.trained.training.baseline;
+  if (!(file.trained.training.scale > 0) ||
+      (!baseline.empty() && baseline.size() != connections + 1))
+    throw InputError("its training does not fit its layers");
+  for (const ConnectionIndex c : file.trained.training.best) {
+    if (c >= connections) throw InputError("its best plan does not fit its layers");
+  }
+  return file;
+}
+
+}  // namespace
+
+std::string policy_bytes(const PolicyFile& file) {
+  std::string bytes = header_of(file).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  for (const DenseLayer& layer : file.trained.policy.layers) {
+    append(bytes, layer.weights);
+    append(bytes, layer.bias);
+  }
+  append(bytes, file.trained.training.network);
+  return bytes + detail::sha256_hex(bytes);
+}
+
+PolicyFile parse_policy(std::string_view bytes) {
+  if (!bytes.starts_with(kBegin)) {
+    throw InputError(
+        "this is no policy of `orasp train`: it does not begin with "
+        "{\"format\":\"orasp-policy/1\"");
+  }
+  const std::size_t line = bytes.find('\n');
+  if (line == std::string_view::npos || bytes.size() < line + 1 + kChecksum)
+    throw InputError("the policy is damaged: it is cut off");
+  const std::string_view body = bytes.substr(0, bytes.size() - kChecksum);
+  if (detail::sha256_hex(body) != bytes.substr(body.size()))
+    throw InputError("the policy is damaged or cut off: its checksum does not fit");
+  try {
+    Reader reader(body.substr(line + 1));
+    return from_header(Json::parse(body.substr(0, line)), reader);
+  } catch (const Json::exception& error) {
+    throw InputError(std::string("the policy's first line is not as it should be: ") +
+                     error.what());
+  } catch (const std::logic_error& error) {  // of stoull
+    throw InputError("the policy's first line is not as it should be: its random number");
+  } catch (const InputError& error) {
+    throw InputError(std::string("the policy is not as it should be: ") + error.what());
+  }
+}
+
+}  // namespace orasp

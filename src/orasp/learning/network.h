@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "orasp/planners/policy.h"
+
+namespace orasp {
+
+/// Shape and training of a value network.
+struct NetworkOptions {
+  std::size_t connections = 0;      ///< inputs and outputs
+  std::vector<std::size_t> hidden;  ///< units of each hidden layer
+  double learning_rate = 1e-3;
+  double target_rate =
+      0.01;  ///< how much of the network the target network takes over at every step
+  double gradient_clip = 100;  ///< each component of the gradient is cut to +- this
+  bool zero_outputs =
+      true;  ///< the last layer begins at 0, so that an untrained network prefers nothing
+  std::uint64_t seed = 1;       ///< of the initial weights
+  std::string device = "auto";  ///< auto (cuda where there is one), cpu, cuda
+};
+
+/// A network that is trained, and its slow copy, the target network. Rows of `states` are indicator vectors of open
+/// connections; all matrices are row-major.
+///
+/// Reference. The paper's network: fully connected, ReLU; smooth L1 loss; AdamW with amsgrad (Loshchilov and Hutter 2019,
+///            ICLR; Reddi et al. 2018, ICLR), weight decay 0.01; target network by averaging (Lillicrap et al. 2016, ICLR).
+/// Repeatable. One thread; the same seed gives the same numbers on the same machine and libraries.
+///
+/// Lives in a module of its own, which is loaded when the first network is made: libtorch takes 0.6 s to load.
+class Network {
+ public:
+  Network() = default;
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+  virtual ~Network() = default;
+
+  /// Shapes: states [batch, connections], values [batch, connections].
+  virtual void values(std::span<const float> states, std::span<float> values) = 0;
+  virtual void target_values(std::span<const float> states, std::span<float> values) = 0;
+  /// One gradient step towards values(states[i])[actions[i]] = targets[i], and one of the target network.
+  /// Shapes: states [batch, connections], actions [batch], targets [batch].
+  /// @returns the mean smooth L1 loss of the batch before the step.
+  virtual double learn(std::span<const float> states, std::span<const std::int64_t> actions,
+                       std::span<const float> targets) = 0;
+  /// The network as plain weights.
+  [[nodiscard]] virtual std::vector<DenseLayer> layers() const = 0;
+  /// All that training needs to go on: both networks and the optimiser's moments.
+  [[nodiscard]] virtual std::vector<float> state() const = 0;
+  /// @throws InputError if it is not of this shape.
+  virtual void restore(std::span<const float> state) = 0;
+  [[nodiscard]] virtual std::string device() const = 0;  ///< "cpu", "cuda"
+  /// What slows training down on this machine, a sentence; empty if nothing does.
+  [[nodiscard]] virtual std::string warning() const = 0;
+};
+
+/// Whether the module is there. It is looked for beside the program, in the folder above, in ../lib/orasp and where this
+/// library was to be installed.
+[[nodiscard]] bool network_available();
+
+/// @throws InputError if the module is missing or cannot be loaded, with how to get it; or for an unknown or missing device.
+[[nodiscard]] std::unique_ptr<Network> make_network(const NetworkOptions& options);
+
+}  // namespace orasp

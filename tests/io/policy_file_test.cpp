@@ -1,0 +1,128 @@
+// Policy files: what is written is read; anything else is refused in a sentence.
+
+#include "orasp/io/policy_file.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "orasp/io/digest.h"
+#include "orasp/model/error.h"
+#include "orasp/model/scenario_generators.h"
+
+namespace orasp {
+namespace {
+
+PolicyFile example() {
+  PolicyFile file;
+  file.problem_digest = "abc";
+  file.problem_name = "a name with \"quotes\"";
+  file.trained.reward = -0.1;
+  file.trained.policy.scale = 0.25;
+  file.trained.policy.adds_reward = true;
+  file.trained.policy.layers = {
+      {.inputs = 2, .outputs = 3, .weights = {1, 2, 3, 4, 5, 6}, .bias = {0.1F, 0, -1e-30F}},
+      {.inputs = 3, .outputs = 2, .weights = {1, 2, 3, 4, 5, 6.5F}, .bias = {7, 8}}};
+  file.trained.training = {.episodes = 7,
+                           .steps = 8,
+                           .updates = 9,
+                           .seconds = 1.5,
+                           .scale = 0.25,
+                           .baseline = {0, -1, -2.1},
+                           .hidden = {3},
+                           .known_reward = true,
+                           .random = 0xfedcba9876543210ULL,
+                           .best = {1, 0},
+                           .network = {1.5F, 2.5F}};
+  return file;
+}
+
+std::string message_of(const std::string& bytes) {
+  try {
+    static_cast<void>(parse_policy(bytes));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// A file with another first line and a checksum that fits it.
+std::string with_header(const std::string& from, const std::string& to) {
+  std::string bytes = policy_bytes(example());
+  bytes.resize(bytes.size() - 64);
+  const std::size_t at = bytes.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  bytes.replace(at, from.size(), to);
+  return bytes + detail::sha256_hex(bytes);
+}
+
+TEST(PolicyFile, ReadsWhatItWrites) {
+  const PolicyFile file = example();
+  const std::string bytes = policy_bytes(file);
+  const PolicyFile read = parse_policy(bytes);
+  EXPECT_EQ(read.problem_digest, file.problem_digest);
+  EXPECT_EQ(read.problem_name, file.problem_name);
+  EXPECT_EQ(read.trained.policy, file.trained.policy);
+  EXPECT_EQ(read.trained.reward, file.trained.reward);
+  EXPECT_EQ(read.trained.training.random, file.trained.training.random);
+  EXPECT_EQ(read.trained.training.baseline, file.trained.training.baseline);
+  EXPECT_EQ(read.trained.training.network, file.trained.training.network);
+  EXPECT_EQ(policy_bytes(read), bytes);
+}
+
+TEST(PolicyFile, RefusesEveryCutAndEveryFlippedByte) {
+  const std::string bytes = policy_bytes(example());
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_NE(message_of(bytes.substr(0, size)), "accepted") << size;
+  SplitMix64 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    std::string damaged = bytes;
+    damaged[random.below(damaged.size())] ^= static_cast<char>(1 + random.below(255));
+    EXPECT_NE(message_of(damaged), "accepted");
+  }
+  EXPECT_NE(message_of(bytes + "x"), "accepted");
+}
+
+TEST(PolicyFile, SaysWhatIsWrong) {
+  const std::string bytes = policy_bytes(example());
+  EXPECT_NE(message_of("PK\x03\x04 an archive of libtorch").find("no policy"), std::string::npos);
+  EXPECT_NE(message_of("").find("no policy"), std::string::npos);
+  EXPECT_NE(message_of(bytes.substr(0, bytes.size() - 10)).find("checksum"), std::string::npos);
+  EXPECT_NE(message_of(bytes.substr(0, 60)).find("cut off"), std::string::npos);
+}
+
+/// Written by somebody who knows how to make the checksum fit.
+TEST(PolicyFile, TrustsNoSizes) {
+  ASSERT_EQ(message_of(with_header("\"steps\":8", "\"steps\":9")), "accepted");
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {"[[2,3],[3,2]]", "[[2,3],[4,2]]"},
+      {"[[2,3],[3,2]]", "[[2,4],[4,2]]"},
+      {"[[2,3],[3,2]]", "[[2,3]]"},
+      {"[[2,3],[3,2]]", "[]"},
+      {"[[2,3],[3,2]]", "[[65000,65000],[65000,65000]]"},
+      {"[[2,3],[3,2]]", "[[99999999999,3],[3,2]]"},
+      {"[[2,3],[3,2]]", "[[-1,3],[3,2]]"},
+      {"[[2,3],[3,2]]", "7"},
+      {"\"numbers\":2", "\"numbers\":1"},
+      {"\"numbers\":2", "\"numbers\":3"},
+      {"\"numbers\":2", "\"numbers\":4611686018427387905"},
+      {"\"baseline\":[0.0,-1.0,-2.1]", "\"baseline\":[0.0]"},
+      {"\"best\":[1,0]", "\"best\":[2,0]"},
+      {"\"scale\":0.25", "\"scale\":0"},
+      {"\"random\":\"18364758544493064720\"", "\"random\":\"x\""},
+      {"\"episodes\":7", "\"episodes\":\"7\""},
+      {"\"episodes\":7,", ""},
+  };
+  for (const auto& [from, to] : changes)
+    EXPECT_NE(message_of(with_header(from, to)), "accepted") << to;
+}
+
+TEST(PolicyFile, RefusesNumbersThatAreNotFinite) {
+  PolicyFile file = example();
+  file.trained.policy.layers[0].weights[0] = std::numeric_limits<float>::infinity();
+  EXPECT_NE(message_of(policy_bytes(file)).find("not finite"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace orasp
