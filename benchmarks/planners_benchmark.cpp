@@ -4,9 +4,11 @@
 //
 // Google Benchmark prints the machine; the figures in docs/performance.md say the commit.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -14,6 +16,29 @@
 #include "orasp/orasp.h"
 
 namespace {
+
+/// One answer of a policy: a pass of the network of the paper's shape, as plain weights.
+void ask_policy(benchmark::State& state, const std::string& name) {
+  const orasp::Problem problem = orasp::load_scenario(name);
+  const orasp::TransitionSystem system(problem);
+  const std::size_t n = system.num_connections();
+  orasp::Policy policy;
+  orasp::SplitMix64 random(1);
+  const std::size_t hidden = std::max<std::size_t>(128, n);
+  for (const auto& [inputs, outputs] : {std::pair(n, hidden), {hidden, hidden}, {hidden, n}}) {
+    orasp::DenseLayer layer{.inputs = inputs, .outputs = outputs, .weights = {}, .bias = {}};
+    layer.weights.resize(inputs * outputs);
+    layer.bias.resize(outputs);
+    for (float& weight : layer.weights) weight = static_cast<float>(random.uniform() - 0.5);
+    policy.layers.push_back(std::move(layer));
+  }
+  orasp::PolicyEvaluator evaluator(policy);
+  const orasp::ConnectionSet start = system.start();
+  for (auto _ : state) benchmark::DoNotOptimize(evaluator.outputs(start.view()).data());
+}
+BENCHMARK_CAPTURE(ask_policy, hubble, "hubble-upc");
+BENCHMARK_CAPTURE(ask_policy, iss, "iss-upc");
+BENCHMARK_CAPTURE(ask_policy, jwst, "jwst-upc");
 
 orasp::Budget budget_with(std::int64_t threads) {
   orasp::Budget budget;

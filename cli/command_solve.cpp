@@ -115,7 +115,9 @@ std::optional<double> known_bound(const Result& result) {
 }
 
 /// "12,096 states, 67,824 actions, 12,096 expanded, 0.00412 s, 1.2 MiB"; what is 0 is left out.
-std::string statistics_text(const Statistics& statistics) {
+std::string statistics_text(const Result& result) {
+  const Statistics& statistics = result.statistics;
+  const bool learns = result.method == "q-learning" || result.method == "dqn";
   std::string text;
   const auto add = [&text](std::uint64_t number, std::string_view noun) {
     if (number > 0) text += fmt::format("{} {}, ", grouped(number), noun);
@@ -126,7 +128,11 @@ std::string statistics_text(const Statistics& statistics) {
   add(statistics.generated, "generated");
   add(statistics.reopened, "reopened");
   add(statistics.pruned, "pruned");
-  add(statistics.sweeps, statistics.sweeps == 1 ? "sweep" : "sweeps");
+  if (learns) {
+    add(statistics.sweeps, statistics.sweeps == 1 ? "episode" : "episodes");
+  } else {
+    add(statistics.sweeps, statistics.sweeps == 1 ? "sweep" : "sweeps");
+  }
   text += seconds_text(statistics.seconds);
   if (statistics.peak_bytes > 0) text += ", " + bytes_text(statistics.peak_bytes);
   return text;
@@ -195,7 +201,7 @@ std::string summary(const Problem& problem, const Result& result, const Alternat
     line("bound", number_text(*bound));
     if (result.has_plan()) line("gap", number_text(*bound - result.reward));
   }
-  line("effort", statistics_text(result.statistics));
+  line("effort", statistics_text(result));
 
   if (result.has_plan()) {
     const Evaluation evaluation =

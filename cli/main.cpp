@@ -533,13 +533,12 @@ int train_command(const Arguments& arguments) {
             dqn.curriculum, Sign::Share);
   line.group("Beyond the paper");
   line.whole("--environments", "N",
-             "Episodes side by side that explore, beside one that acts greedily (default: 31).",
-             dqn.environments, 1,
-             65'536);
+             "Episodes side by side that explore, beside one that acts greedily (default: 7, "
+             "and 31 from 128 connections on).",
+             dqn.environments, 1, 65'536);
   line.whole("--updates-per-step", "N",
-             "Gradient steps for each step of all episodes (default: 4, and 1 from 128 connections "
-             "on).",
-             dqn.updates_per_step, 1, 1'000'000);
+             "Gradient steps for each step of all episodes (default: 1).", dqn.updates_per_step, 1,
+             1'000'000);
   line.whole("--n-step", "N",
              "Rewards that a target takes from its episode before the network's estimate; 0: all "
              "(default: 5).",

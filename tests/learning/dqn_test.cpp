@@ -138,6 +138,14 @@ TEST(Train, RefusesValuesThatMakeNoSense) {
   EXPECT_THROW(train(system, options, Budget{}), InputError);
 }
 
+TEST(Train, RefusesANetworkThatDoesNotFit) {
+  const Problem problem = load_scenario("chain:3000");
+  const TransitionSystem system(problem);
+  Budget budget;
+  budget.max_bytes = std::uint64_t{64} << 20;
+  EXPECT_THROW(train(system, {}, budget), InputError);
+}
+
 // One process: libtorch takes 0.6 s to load.
 class WithNetwork : public testing::Test {
  protected:

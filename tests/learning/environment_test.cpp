@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "orasp/io/scenarios.h"
+#include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/validate.h"
 #include "tests/instances.h"
@@ -51,6 +52,8 @@ TEST(Environment, ForbiddenConnectionsAreNeverLegalAndNeedNotBeHandled) {
   EXPECT_EQ(mask, (std::vector<float>{1, 1, 0}));
   world.step(0, 0);
   EXPECT_FALSE(world.done(0));
+  EXPECT_THROW(world.step(0, 2), InputError) << "forbidden";
+  EXPECT_THROW(world.step(0, 0), InputError) << "handled before";
   world.step(0, 1);
   EXPECT_TRUE(world.done(0));
   EXPECT_FALSE(world.dead_end(0));

@@ -109,7 +109,7 @@ void check(const DqnOptions& options) {
   positive(options.gradient_clip, "gradient clip");
   positive(options.epsilon_decay, "epsilon decay");
   positive(static_cast<double>(options.replay), "replay");
-  positive(static_cast<double>(options.environments), "environments");
+  positive(static_cast<double>(options.updates_per_step), "updates per step");
   share(options.discount, "discount");
   share(options.epsilon_start, "epsilon start");
   share(options.epsilon_end, "epsilon end");
@@ -119,6 +119,27 @@ void check(const DqnOptions& options) {
     if (units == 0 || units > 65'536)
       throw InputError("a hidden layer must have between 1 and 65536 units");
   }
+}
+
+/// Refuses at once what is sure to need more memory than there is.
+void require_network_fits(const DqnOptions& options, std::size_t connections,
+                          const Budget& budget) {
+  double parameters = 0;
+  double inputs = static_cast<double>(connections);
+  for (const std::size_t units : options.hidden) {
+    parameters += (inputs + 1) * static_cast<double>(units);
+    inputs = static_cast<double>(units);
+  }
+  parameters += (inputs + 1) * static_cast<double>(connections);
+  constexpr double kCopies =
+      7;  // network, target network, gradient, three moments, the policy kept
+  const double bytes = parameters * kCopies * sizeof(float);
+  if (bytes <= static_cast<double>(budget.max_bytes)) return;
+  throw InputError("training a network of " +
+                   std::to_string(static_cast<std::uint64_t>(parameters / 1e6)) +
+                   " million weights needs about " +
+                   std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) +
+                   " MiB, more than the memory limit; make its hidden layers smaller");
 }
 
 class Trainer {
@@ -197,9 +218,10 @@ class Trainer {
                                   const Budget& budget) {
     check(options);
     if (options.episodes == 0) options.episodes = connections < 128 ? 5'000 : 20'000;
-    if (options.updates_per_step == 0) options.updates_per_step = connections < 128 ? 4 : 1;
+    if (options.environments == 0) options.environments = connections < 128 ? 7 : 31;
     if (options.hidden.empty()) options.hidden.assign(2, std::max<std::size_t>(128, connections));
     if (options.batch == 0) options.batch = 3 * connections;
+    require_network_fits(options, connections, budget);
     const std::uint64_t room = budget.max_bytes / 2 / ReplayBuffer::bytes_per_step(connections);
     options.replay = static_cast<std::size_t>(std::clamp<std::uint64_t>(room, 1, options.replay));
     return options;
@@ -485,6 +507,8 @@ class Trainer {
     record.updates = training_.trained.training.updates;
     record.epsilon = epsilon();
     record.seconds = training_.trained.training.seconds + watch_->seconds();
+    if (told_ && *told_ == std::pair(record.episodes, record.updates)) return;
+    told_ = {record.episodes, record.updates};
     if (hooks_.log) hooks_.log(record);
     budget_.report({.phase = "episodes",
                     .done = record.episodes,
@@ -536,7 +560,8 @@ class Trainer {
   Training training_;
   const Stopwatch* watch_ = nullptr;
   Stop stop_ = Stop::None;
-  double greedy_ = -kInfinity;  ///< of the round's first episode
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> told_;  ///< episodes, updates
+  double greedy_ = -kInfinity;                                   ///< of the round's first episode
   std::uint64_t steps_of_round_ = 0;
   // Scratch.
   std::vector<std::size_t> asking_;
@@ -590,7 +615,9 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
 }
 
 Result dqn(const TransitionSystem& system, const DqnOptions& options, const Budget& budget) {
-  return train(system, options, budget).result;
+  Training training = train(system, options, budget);
+  if (!training.warning.empty()) training.result.notes.push_back(training.warning);
+  return std::move(training.result);
 }
 
 }  // namespace orasp

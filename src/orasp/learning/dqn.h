@@ -44,10 +44,11 @@ struct DqnOptions {
 
   // ---- Beyond the paper.
 
-  /// Episodes side by side that explore; one more acts without random actions, to see what the network earns.
-  std::size_t environments = 31;
-  /// Gradient steps for each step of all episodes; 0: 4, and 1 from 128 connections on.
-  std::uint64_t updates_per_step = 0;
+  /// Episodes side by side that explore; one more acts without random actions, to see what the network earns. 0: 7, and 31
+  /// from 128 connections on.
+  std::size_t environments = 0;
+  /// Gradient steps for each step of all episodes.
+  std::uint64_t updates_per_step = 1;
   /// The network picks the next action, the target network values it.
   bool double_q = true;
   /// Rewards that a target takes from its episode before it trusts the network; 0: all.

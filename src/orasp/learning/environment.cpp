@@ -1,7 +1,9 @@
 #include "orasp/learning/environment.h"
 
 #include <algorithm>
-#include <cassert>
+#include <string>
+
+#include "orasp/model/error.h"
 
 namespace orasp {
 
@@ -77,7 +79,10 @@ void Environment::observe(std::size_t episode, std::span<float> observation) con
 double Environment::step(std::size_t episode, ConnectionIndex connection) {
   const std::span<const Action> legal = actions(episode);
   const auto action = std::ranges::lower_bound(legal, connection, {}, &Action::connection);
-  assert(action != legal.end() && action->connection == connection);
+  if (action == legal.end() || action->connection != connection) {
+    throw InputError("connection " + std::to_string(connection) +
+                     " cannot be handled now: it is not among the legal actions");
+  }
   const double reward = action->reward;
   states_[episode * words_ + connection / 64] &= ~(std::uint64_t{1} << (connection % 64));
   --open_counts_[episode];

@@ -45,7 +45,7 @@ class Environment {
   /// The paper's indicator vector of open connections, shape [connections]: 1 where open, else 0.
   void observe(std::size_t episode, std::span<float> observation) const;
 
-  /// Handles a connection, which must be among actions(episode). @returns what the step earns.
+  /// Handles a connection. @returns what the step earns. @throws InputError if it is not among actions(episode).
   double step(std::size_t episode, ConnectionIndex connection);
   /// Rewards of the episode's steps so far.
   [[nodiscard]] double total(std::size_t episode) const { return totals_[episode]; }
