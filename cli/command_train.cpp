@@ -1,5 +1,6 @@
 #include "cli/command_train.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -147,16 +148,16 @@ std::string summary(const Problem& problem, const Training& training, const Trai
   if (training.record.bound) {
     const double bound = *training.record.bound;
     const double gap = bound - training.trained.reward;
-    const double size = std::max(std::abs(bound), 1e-300);
-    line("bound",
-         fmt::format("{}{}", reward_text(bound),
-                     !std::isfinite(gap) ? std::string()
-                     : gap <= 1e-9 * size
-                         ? " (the policy's plan is optimal, proved)"
-                         : fmt::format(" (the policy is at most {:.2g} % below the optimum)",
-                                       gap / size * 100)));
+    std::string meaning;
+    if (gap <= kRewardTolerance * std::max(1.0, std::abs(bound))) {
+      meaning = " (the policy's plan is optimal, proved)";
+    } else if (std::isfinite(gap)) {
+      meaning = fmt::format(" ({} more than the policy's plan)", reward_text(gap));
+    }
+    line("bound", reward_text(bound) + meaning);
   }
   line("time", seconds_text(training.record.seconds));
+  if (options.policy.empty()) line("written", "nowhere: -o FILE keeps the policy");
   if (!options.policy.empty() && !training.trained.policy.layers.empty())
     line("written", options.policy);
   for (const std::string& note : result.notes) text += printable(note) + '\n';
