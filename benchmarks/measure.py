@@ -381,12 +381,12 @@ VARIANTS = [
     ("without imitation", ["--imitation", "0"]),
     ("rewards not known", ["--no-known-reward"]),
     ("rewards not scaled", ["--no-scaling"]),
-    ("curriculum over half of the training", ["--curriculum", "0.5"]),
+    ("without the curriculum", ["--curriculum", "0"]),
     ("four gradient steps a step", ["--updates-per-step", "4"]),
     ("31 exploring episodes at a time", ["--environments", "31", "--updates-per-step", "4"]),
     ("one exploring episode at a time", ["--environments", "1"]),
     ("the paper's, with masks", ["--no-double-q", "--n-step", "1", "--no-returns", "--imitation", "0", "--no-known-reward",
-                                 "--no-scaling", "--curriculum", "0.5", "--environments", "1"]),
+                                 "--no-scaling", "--environments", "1"]),
 ]
 
 

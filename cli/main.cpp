@@ -529,7 +529,7 @@ int train_command(const Arguments& arguments) {
             dqn.gradient_clip, Sign::Positive);
   line.real("--curriculum", "SHARE",
             "Share of the episodes in which the network takes over ever earlier, having begun with "
-            "the last connection (default: 0).",
+            "the last connection (default: 0.5).",
             dqn.curriculum, Sign::Share);
   line.group("Beyond the paper");
   line.whole("--environments", "N",

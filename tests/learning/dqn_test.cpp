@@ -379,7 +379,7 @@ TEST_F(WithNetwork, EveryVariantTrains) {
     if (variant == 1) options.double_q = false;
     if (variant == 2) options.n_step = 0;
     if (variant == 3) options.scale = false;
-    if (variant == 4) options.curriculum = 0.5;
+    if (variant == 4) options.curriculum = 0;
     if (variant == 5) options.known_reward = false;
     if (variant == 6) options.returns = false;
     EXPECT_NEAR(train(system, options, Budget{}).trained.reward, 0.5570, 1e-9);

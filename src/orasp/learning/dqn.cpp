@@ -381,7 +381,6 @@ class Trainer {
       if (stopped()) return;
     }
     std::vector<double> sum(n + 1, 0);
-    std::vector<double> squares(n + 1, 0);
     std::vector<double> times(n + 1, 0);
     for (std::size_t place = 0; place < replay_.size(); ++place) {
       const ReplayBuffer::Step& step = replay_.step(place);

@@ -38,7 +38,7 @@ struct DqnOptions {
   double target_rate = 0.01;
   double gradient_clip = 100;
   /// Share of the training in which episodes act at random until few connections are left, ever more of them.
-  double curriculum = 0;
+  double curriculum = 0.5;
   /// auto, cpu, cuda.
   std::string device = "auto";
 
