@@ -598,6 +598,9 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
   first.method = "dqn";
   if (first.status == Status::Infeasible || system.num_connections() == 0) {
     training.result = std::move(first);
+  } else if (const Stop stop = budget.expired(); stop != Stop::None) {  // before 0.6 s of libtorch
+    training.result = std::move(first);
+    training.result.stop = stop;
   } else {
     training = Trainer(system, options, budget, hooks, resume).run();
     training.result.method = "dqn";
