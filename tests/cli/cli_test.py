@@ -306,6 +306,9 @@ class Solve(Case):
         for method in ["auto", *exact]:
             with self.subTest(method=method):
                 answer = orasp("solve", "-", "--method", method, stdin=CHAIN)
+                if method == "dqn" and "libtorch-dev" in answer.error:
+                    self.check_sentence(answer)  # built without it
+                    continue
                 self.check(answer, 0, out=r"status   optimal \(proved\)\nreward   0\.557\n")
         for method in ["greedy", "random"]:
             with self.subTest(method=method):
