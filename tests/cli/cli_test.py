@@ -1101,7 +1101,7 @@ class Train(Case):
 
     def test_limits_and_interrupts_keep_the_best(self):
         self.needs_libtorch()
-        policy = self.trained("iss", "--time-limit", "1.5", "--to-the-end", "--quiet")
+        policy = self.trained("iss", "--time-limit", "10", "--to-the-end", "--quiet")
         self.assertEqual(orasp("solve", "iss", "--method", "dqn", "--policy", policy).code, 0)
         policy.unlink()
         with subprocess.Popen([PROGRAM, "train", "iss", "--to-the-end", "-o", policy], stdout=subprocess.PIPE,
