@@ -170,14 +170,14 @@ std::string yardstick_text(const Yardstick& yardstick, const Sample& sample) {
   const auto beaten = static_cast<std::size_t>(std::ranges::count_if(
       sample.rewards, [&](double reward) { return reward < yardstick.policy; }));
   std::string text =
-      fmt::format("\n{:<14}  {:.6g}, more than {} of {}\n", "policy", yardstick.policy,
+      fmt::format("\n{:<14}  {}, more than {} of {}\n", "policy", number_text(yardstick.policy),
                   grouped(beaten), counted(sample.rewards.size(), "random sequence"));
   const Result& best = yardstick.best;
   if (best.has_plan())
-    text += fmt::format("{:<14}  {:.6g}, {}\n", "best plan", best.reward,
+    text += fmt::format("{:<14}  {}, {}\n", "best plan", number_text(best.reward),
                         best.status == Status::Optimal ? "proved optimal" : "not proved optimal");
   if (best.status != Status::Optimal && best.bound && std::isfinite(*best.bound))
-    text += fmt::format("{:<14}  {:.6g}\n", "bound", *best.bound);
+    text += fmt::format("{:<14}  {}\n", "bound", number_text(*best.bound));
   return text;
 }
 

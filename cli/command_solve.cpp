@@ -128,11 +128,8 @@ std::string statistics_text(const Result& result) {
   add(statistics.generated, "generated");
   add(statistics.reopened, "reopened");
   add(statistics.pruned, "pruned");
-  if (learns) {
-    add(statistics.sweeps, statistics.sweeps == 1 ? "episode" : "episodes");
-  } else {
-    add(statistics.sweeps, statistics.sweeps == 1 ? "sweep" : "sweeps");
-  }
+  if (statistics.sweeps > 0)
+    text += counted(statistics.sweeps, learns ? "episode" : "sweep") + ", ";
   text += seconds_text(statistics.seconds);
   if (statistics.peak_bytes > 0) text += ", " + bytes_text(statistics.peak_bytes);
   return text;

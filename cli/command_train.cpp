@@ -14,7 +14,6 @@
 
 #include "cli/exit_codes.h"
 #include "cli/json_output.h"
-#include "cli/progress.h"
 #include "cli/text.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/policy_file.h"
@@ -32,7 +31,7 @@ Json number_or_null(const std::optional<double>& value) {
   return value ? Json(*value) : Json();
 }
 std::string reward_text(double value) {
-  return std::isfinite(value) ? fmt::format("{:.6g}", value) : std::string("-");
+  return std::isfinite(value) ? number_text(value) : std::string("-");
 }
 
 /// The training log: a line of JSON after every round, at once in the file.
@@ -196,9 +195,8 @@ int run(const TrainOptions& options, const Context& context) {
     training = train(system, dqn, budget, hooks, earlier ? &earlier->trained : nullptr);
   }
   if (!training.warning.empty()) context.warn(training.warning);
-  const bool learned = !training.trained.policy.layers.empty();
   if (!options.policy.empty()) {
-    if (learned) {
+    if (!training.trained.policy.layers.empty()) {
       write_file(options.policy, policy_bytes(file_of(problem, training)));
     } else {
       context.warn("nothing was learned, so " + options.policy + " is not written");

@@ -104,25 +104,25 @@ PolicyFile from_header(const Json& header, Reader& reader) {
   if (file.trained.policy.layers.empty() ||
       file.trained.policy.layers.front().inputs != file.trained.policy.layers.back().outputs)
     throw InputError("its layers do not fit together");
-  const Json& training = header.at("training");
-  file.trained.training.episodes = training.at("episodes").get<std::uint64_t>();
-  file.trained.training.steps = training.at("steps").get<std::uint64_t>();
-  file.trained.training.updates = training.at("updates").get<std::uint64_t>();
-  file.trained.training.seconds = training.at("seconds").get<double>();
-  file.trained.training.scale = training.at("scale").get<double>();
-  file.trained.training.baseline = training.at("baseline").get<std::vector<double>>();
-  file.trained.training.hidden = training.at("hidden").get<std::vector<std::size_t>>();
-  file.trained.training.known_reward = training.at("known_reward").get<bool>();
-  file.trained.training.random = std::stoull(training.at("random").get<std::string>());
-  file.trained.training.best = training.at("best").get<std::vector<ConnectionIndex>>();
-  file.trained.training.network = reader.take(training.at("numbers").get<std::size_t>());
+  const Json& fields = header.at("training");
+  TrainingState& training = file.trained.training;
+  training.episodes = fields.at("episodes").get<std::uint64_t>();
+  training.steps = fields.at("steps").get<std::uint64_t>();
+  training.updates = fields.at("updates").get<std::uint64_t>();
+  training.seconds = fields.at("seconds").get<double>();
+  training.scale = fields.at("scale").get<double>();
+  training.baseline = fields.at("baseline").get<std::vector<double>>();
+  training.hidden = fields.at("hidden").get<std::vector<std::size_t>>();
+  training.known_reward = fields.at("known_reward").get<bool>();
+  training.random = std::stoull(fields.at("random").get<std::string>());
+  training.best = fields.at("best").get<std::vector<ConnectionIndex>>();
+  training.network = reader.take(fields.at("numbers").get<std::size_t>());
   reader.end();
   const std::size_t connections = file.trained.policy.num_connections();
-  const auto& baseline = file.trained.training.baseline;
-  if (!(file.trained.training.scale > 0) ||
-      (!baseline.empty() && baseline.size() != connections + 1))
+  const auto& baseline = training.baseline;
+  if (!(training.scale > 0) || (!baseline.empty() && baseline.size() != connections + 1))
     throw InputError("its training does not fit its layers");
-  for (const ConnectionIndex c : file.trained.training.best) {
+  for (const ConnectionIndex c : training.best) {
     if (c >= connections) throw InputError("its best plan does not fit its layers");
   }
   return file;

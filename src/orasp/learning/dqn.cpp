@@ -11,7 +11,6 @@
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/bounds.h"
 #include "orasp/planners/detail/planner_support.h"
 #include "orasp/planners/greedy.h"
 
@@ -156,11 +155,7 @@ class Trainer {
         best_episode_(system.num_connections(), system.num_connections()),
         traces_(options_.environments + 1, Trace(system.num_connections())),
         rule_(options_, 1, {}) {
-    const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
-    if (bound->known()) {
-      const double most = (*bound)(system.start().view());
-      if (std::isfinite(most)) training_.record.bound = most;
-    }
+    training_.record.bound = detail::bound_of_start(system);
     if (resume != nullptr) go_on(*resume);
   }
 
@@ -260,8 +255,7 @@ class Trainer {
     return stop_ != Stop::None;
   }
   [[nodiscard]] bool proved(double reward) const {
-    return training_.record.bound &&
-           *training_.record.bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
+    return training_.record.bound && detail::meets(reward, *training_.record.bound);
   }
   [[nodiscard]] bool finished() {
     return stopped() || training_.trained.training.episodes >= options_.episodes ||
@@ -495,10 +489,6 @@ class Trainer {
     if (options_.double_q) network_->values(states_, numbers_);
     network_->target_values(states_, target_numbers_);
   }
-  static void indicate(SetView open, std::span<float> row) {
-    std::ranges::fill(row, 0.0F);
-    for_each_connection(open, [&](ConnectionIndex c) { row[c] = 1; });
-  }
 
   void tell() {
     TrainingRecord& record = training_.record;
@@ -536,13 +526,7 @@ class Trainer {
     if (training_.trained.training.best.empty()) return;
     result.sequence = training_.trained.training.best;
     result.reward = training_.record.best;
-    const bool is_best = proved(result.reward);
-    result.status = is_best ? Status::Optimal : Status::Feasible;
-    if (training_.record.bound) result.bound = std::max(*training_.record.bound, result.reward);
-    if (is_best) {
-      result.bound = result.reward;
-      result.stop = Stop::None;
-    }
+    detail::judge_by(training_.record.bound, result);
   }
 
   const TransitionSystem& system_;

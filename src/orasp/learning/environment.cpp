@@ -7,6 +7,11 @@
 
 namespace orasp {
 
+void indicate(SetView open, std::span<float> indicator) {
+  std::ranges::fill(indicator, 0.0F);
+  for_each_connection(open, [&](ConnectionIndex c) { indicator[c] = 1; });
+}
+
 Environment::Environment(const TransitionSystem& system, std::size_t episodes)
     : system_(system),
       expander_(system),
@@ -72,8 +77,7 @@ void Environment::mask(std::size_t episode, std::span<float> mask) {
 }
 
 void Environment::observe(std::size_t episode, std::span<float> observation) const {
-  std::ranges::fill(observation, 0.0F);
-  for_each_connection(open(episode), [&](ConnectionIndex c) { observation[c] = 1; });
+  indicate(open(episode), observation);
 }
 
 double Environment::step(std::size_t episode, ConnectionIndex connection) {

@@ -9,6 +9,9 @@
 
 namespace orasp {
 
+/// Writes the paper's indicator vector of a state, shape [connections]: 1 where open, else 0.
+void indicate(SetView open, std::span<float> indicator);
+
 /// The problem as a learner sees it: several episodes side by side, each a state that steps change. Everything legal and
 /// earned comes from the TransitionSystem; this only keeps the episodes.
 ///

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,23 +43,20 @@ class Learner {
                         .states = table_.size(),
                         .best = result_.reward});
       }
-      if (start_value() <= result_.reward + tolerance()) break;
+      if (detail::meets(result_.reward, start_value())) break;
     }
     result_.statistics.states = table_.size();
     result_.statistics.actions = entries_.size();
     result_.statistics.peak_bytes = bytes();
     if (table_.size() == 0) return;
     const double most = start_value();
-    if (most < kInfinity && most > -kInfinity) result_.bound = std::max(most, result_.reward);
+    const auto bound = std::isfinite(most) ? std::optional(most) : std::nullopt;
     if (!result_.sequence.empty()) {
-      const bool proved = most <= result_.reward + tolerance();
-      result_.status = proved ? Status::Optimal : Status::Feasible;
-      if (proved) {
-        result_.bound = result_.reward;
-        result_.stop = Stop::None;
-      }
+      detail::judge_by(bound, result_);
     } else if (most == -kInfinity && result_.stop == Stop::None) {
       result_.status = Status::Infeasible;
+    } else {
+      result_.bound = bound;
     }
   }
 
@@ -73,9 +71,6 @@ class Learner {
     std::size_t entry;
   };
 
-  [[nodiscard]] double tolerance() const {
-    return kRewardTolerance * std::max(1.0, std::abs(result_.reward));
-  }
   [[nodiscard]] std::uint64_t bytes() const {
     return table_.bytes() + first_.bytes() + entries_.bytes();
   }

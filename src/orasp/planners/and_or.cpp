@@ -974,8 +974,7 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
       best.reward = whole.reward;
     }
     const auto proved = [&] {
-      return std::isfinite(best.reward) &&
-             best.reward >= most - kRewardTolerance * std::max(1.0, std::abs(best.reward));
+      return std::isfinite(best.reward) && detail::meets(best.reward, most);
     };
     if (!proved() && !ended && whole.stop == Stop::None && peeling_pays) {
       search.peel(kFirstWidth * longer);

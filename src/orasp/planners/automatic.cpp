@@ -86,9 +86,7 @@ class Findings {
   [[nodiscard]] const Result& best() const { return best_; }
   [[nodiscard]] bool settled() const {
     return infeasible_ ||
-           (best_.has_plan() &&
-            best_.reward >=
-                *best_.bound - kRewardTolerance * std::max(1.0, std::abs(best_.reward)));
+           (best_.has_plan() && detail::meets(best_.reward, *best_.bound));
   }
 
   [[nodiscard]] Result answer(Stop stop, const std::string& how) const {

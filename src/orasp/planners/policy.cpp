@@ -1,12 +1,9 @@
 #include "orasp/planners/policy.h"
 
 #include <algorithm>
-#include <cmath>
-#include <memory>
 #include <string>
 
 #include "orasp/model/error.h"
-#include "orasp/planners/bounds.h"
 #include "orasp/planners/detail/depth_first_plan.h"
 #include "orasp/planners/detail/planner_support.h"
 
@@ -101,16 +98,7 @@ Result follow_policy(const TransitionSystem& system, const Policy& policy, const
   if (auto result = detail::settled(system, "dqn")) return *result;
   Result result = follow_policy(system, policy, system.start(),
                                 ConnectionSet(system.num_connections()), budget);
-  if (result.status != Status::Feasible) return result;
-  const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
-  if (!bound->known()) return result;
-  const double most = (*bound)(system.start().view());
-  if (!std::isfinite(most)) return result;
-  result.bound = std::max(most, result.reward);
-  if (most <= result.reward + kRewardTolerance * std::max(1.0, std::abs(result.reward))) {
-    result.status = Status::Optimal;
-    result.bound = result.reward;
-  }
+  if (result.status == Status::Feasible) detail::judge_by(detail::bound_of_start(system), result);
   return result;
 }
 

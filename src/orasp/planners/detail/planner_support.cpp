@@ -1,6 +1,8 @@
 #include "orasp/planners/detail/planner_support.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <utility>
 
 #include "orasp/planners/feasibility.h"
@@ -108,6 +110,28 @@ Statistics statistics_of(const StateGraph& graph) {
   statistics.generated = graph.num_actions();
   statistics.peak_bytes = graph.peak_bytes();
   return statistics;
+}
+
+std::optional<double> bound_of_start(const TransitionSystem& system) {
+  const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
+  if (!bound->known()) return std::nullopt;
+  const double most = (*bound)(system.start().view());
+  return std::isfinite(most) ? std::optional(most) : std::nullopt;
+}
+
+bool meets(double reward, double bound) {
+  return bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
+}
+
+void judge_by(std::optional<double> bound, Result& result) {
+  if (bound && meets(result.reward, *bound)) {
+    result.status = Status::Optimal;
+    result.stop = Stop::None;
+    result.bound = result.reward;
+  } else {
+    result.status = Status::Feasible;
+    if (bound) result.bound = std::max(*bound, result.reward);
+  }
 }
 
 }  // namespace orasp::detail

@@ -27,6 +27,15 @@ namespace orasp::detail {
 [[nodiscard]] Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
                              const Statistics& statistics);
 
+/// An upper bound on what any plan earns (BoundKind::Best); empty where none is known.
+[[nodiscard]] std::optional<double> bound_of_start(const TransitionSystem& system);
+
+/// Whether a plan earns all that `bound` allows, but for rounding. Not where there is no plan (-infinity).
+[[nodiscard]] bool meets(double reward, double bound);
+
+/// Sets status and bound of a result that holds a plan: Optimal, and not stopped, if it meets the bound; else Feasible.
+void judge_by(std::optional<double> bound, Result& result);
+
 /// "no plan exists: ..." for a method that looked at everything.
 [[nodiscard]] Result exhausted(std::string_view method, const Statistics& statistics);
 
