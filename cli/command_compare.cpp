@@ -52,12 +52,9 @@ std::vector<const Planner*> chosen_methods(const std::string& names) {
     }
     return chosen;
   }
-  std::size_t begin = 0;
-  while (begin <= names.size()) {
-    const std::size_t end = std::min(names.find(',', begin), names.size());
-    const Planner* const planner = &planner_named(names.substr(begin, end - begin));
+  for (const std::string& name : comma_separated(names)) {
+    const Planner* const planner = &planner_named(name);
     if (std::ranges::find(chosen, planner) == chosen.end()) chosen.push_back(planner);
-    begin = end + 1;
   }
   return chosen;
 }

@@ -62,6 +62,16 @@ std::string grouped(std::uint64_t number) {
   return grouped(std::string_view(fmt::to_string(number)));
 }
 
+std::vector<std::string> comma_separated(const std::string& list) {
+  std::vector<std::string> pieces;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    pieces.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return pieces;
+}
+
 std::string number_text(double number) {
   if (!std::isfinite(number) || !fits_decimals(number)) return fmt::format("{:.6g}", number);
   std::string text = fixed(number, kDecimals);

@@ -1,6 +1,5 @@
 #include "cli/values.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -36,12 +35,8 @@ std::uint64_t whole_number(std::string_view option, std::string_view text, std::
 std::vector<std::size_t> whole_numbers(std::string_view option, std::string_view text,
                                        std::uint64_t least, std::uint64_t greatest) {
   std::vector<std::size_t> numbers;
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    numbers.push_back(whole_number(option, text.substr(begin, end - begin), least, greatest));
-    begin = end + 1;
-  }
+  for (const std::string& piece : comma_separated(std::string(text)))
+    numbers.push_back(whole_number(option, piece, least, greatest));
   return numbers;
 }
 
