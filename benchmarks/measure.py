@@ -5,7 +5,8 @@
 
 Sections: expansions, bounds, growth, comparison (docs/performance.md, docs/images/growth.svg) and problems
 (docs/problems.md, from FOLDER/problems; the default folder is $ORASP_SHARED or ../shared), and, only if named, learning
-and ablations (docs/learning.md, from there too; an hour). In the pages each section stands between <!-- begin: SECTION --> and <!-- end: SECTION -->. All take about a quarter of an hour. Standard library
+and ablations (docs/learning.md, from there too; an hour) and paper (docs/paper.md and its figures, all that `orasp paper`
+makes; minutes). In the pages each section stands between <!-- begin: SECTION --> and <!-- end: SECTION -->. All take about a quarter of an hour. Standard library
 only.
 """
 import argparse
@@ -15,6 +16,7 @@ import math
 import os
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -161,12 +163,12 @@ def bounds():
 
 # ---------------------------------------------------------------------------------------------------------------------
 
-SERIES = [  # name, colour, mark, method, objective
-    ("auto, cubesat", "#1b6ca8", "circle", "auto", None),
-    ("auto, size of the piece", "#7b3fa0", "diamond", "auto", SIZES),
-    ("a-star, cubesat", "#c4561b", "square", "a-star", None),
-    ("beam, cubesat", "#2c8a4b", "triangle", "beam", None),
-    ("value-iteration, cubesat", "#444444", "wedge", "value-iteration", None),
+SERIES = [  # name, colour, gnuplot's full and hollow mark, method, objective
+    ("auto, cubesat", "#1b6ca8", 7, 6, "auto", None),
+    ("auto, size of the piece", "#7b3fa0", 13, 12, "auto", SIZES),
+    ("a-star, cubesat", "#c4561b", 5, 4, "a-star", None),
+    ("beam, cubesat", "#2c8a4b", 9, 8, "beam", None),
+    ("value-iteration, cubesat", "#444444", 11, 10, "value-iteration", None),
 ]
 FAMILIES = [
     ("chains", [f"chain:{n + 1}" for n in (4, 8, 12, 16, 20, 24, 32, 64, 128, 256, 512, 1024)]),
@@ -187,7 +189,7 @@ def connections_of(problem):
 def growth():
     points = {}
     for family, problems in FAMILIES:
-        for name, _, _, method, objective in SERIES:
+        for name, _, _, _, method, objective in SERIES:
             line = points[family, name] = []
             for problem in problems:
                 run = Run(problem, method=method, objective=objective, limit=ARGUMENTS.limit)
@@ -211,81 +213,46 @@ def growth():
     head = ["family", "method, objective", "most connections proved", "seconds", "MiB of the process"]
     write_section("docs/performance.md", "growth",
                   "![Time and memory against the number of connections, for chains, grids and trees](images/growth.svg)\n\n"
+                  + f"Hollow: stopped after {ARGUMENTS.limit:g} s without a proof. Small problems: the memory of any process.\n\n"
                   + limit_of_runs() + "\n\n" + table(head, rows))
 
 
 def drawn(points):
-    """An SVG of two rows (seconds, MiB) and a column a family, both axes logarithmic."""
-    left, top, width, height, gap = 64, 64, 250, 210, 26
-    most_x = (3, 1500)
-    total_width = left + 3 * width + 2 * gap + 16
-    total_height = top + 2 * height + gap + 50 + 62
-    title = "Time and memory against the number of connections"
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total_width} {total_height}" '
-           'font-family="sans-serif" font-size="12" fill="#222">',
-           f'<rect width="{total_width}" height="{total_height}" fill="white"/>',
-           f'<text x="{left}" y="24" font-size="15" font-weight="bold">{title}</text>']
-    rows = [("seconds", 1, (1e-5, 30)), ("MiB of the process", 2, (4, 8192))]
-
-    def scaled(value, least, most, begin, length):
-        return begin + length * (math.log10(value) - math.log10(least)) / (math.log10(most) - math.log10(least))
-
-    def power(exponent):
-        small = {-5: "10 µs", -4: "0.1 ms", -3: "1 ms", -2: "10 ms", -1: "0.1 s", 0: "1 s", 1: "10 s"}
-        return small[exponent]
-
-    for r, (unit, index, (least, most)) in enumerate(rows):
-        y0 = top + r * (height + gap)
-        ticks = ([(10.0 ** e, power(e)) for e in range(-5, 2)] if index == 1 else
-                 [(2.0 ** e, f"{2 ** e:,}") for e in range(2, 14, 2)])
+    """An SVG of two rows (seconds, MiB) and a column a family, both axes logarithmic, by gnuplot."""
+    script = ["set encoding utf8",
+              'set terminal svg size 900,540 fixed font "Helvetica,11" background rgb "white"',
+              "set multiplot layout 2,3 margins 0.095,0.985,0.17,0.93 spacing 0.03,0.05",
+              "set logscale xy", "set xrange [3:1500]", "set border 3 lc rgb '#57606a' lw 0.8", "unset key",
+              "set tics nomirror out scale 0.6", "set grid lc rgb '#eaeef2' lw 0.8 lt 1"]
+    for f, (family, _) in enumerate(FAMILIES):
+        for i, (name, *_) in enumerate(SERIES):
+            line = points[family, name]
+            for kind, chosen in (("line", line), ("full", [point for point in line if point[3]]),
+                                 ("hollow", [point for point in line if not point[3]])):
+                rows = [f"{n} {seconds} {mebibytes}" for n, seconds, mebibytes, _ in chosen]
+                script += [f"$f{f}s{i}{kind} << EOD", *(rows or ["NaN NaN NaN"]), "EOD"]
+    for i, (name, colour, full, *_) in enumerate(SERIES):
+        script.append(f"set label {i + 1} '{name}' at screen {0.07 + 0.188 * i:.3f},0.035 offset 1 "
+                      f"point pt {full} ps 0.7 lc rgb '{colour}'")
+    panels = [("seconds", 2, "1e-5:30", {1e-5: "10 µs", 1e-4: "0.1 ms", 1e-3: "1 ms", 1e-2: "10 ms", 0.1: "0.1 s",
+                                         1: "1 s", 10: "10 s"}),
+              ("MiB of the process", 3, "4:8192", {n: f"{n:,}" for n in (4, 16, 64, 256, 1024, 4096)})]
+    for row, (unit, column, span, names) in enumerate(panels):
         for f, (family, _) in enumerate(FAMILIES):
-            x0 = left + f * (width + gap)
-            if r == 0:
-                out.append(f'<text x="{x0 + width / 2}" y="{top - 10}" text-anchor="middle" font-size="13">{family}'
-                           '</text>')
-            out.append(f'<rect x="{x0}" y="{y0}" width="{width}" height="{height}" fill="none" stroke="#999"/>')
-            for value, label in ticks:
-                y = scaled(value, least, most, y0 + height, -height)
-                out.append(f'<line x1="{x0}" y1="{y:.1f}" x2="{x0 + width}" y2="{y:.1f}" stroke="#e4e4e4"/>')
-                if f == 0:
-                    out.append(f'<text x="{x0 - 6}" y="{y + 4:.1f}" text-anchor="end">{label}</text>')
-            for value in (4, 16, 64, 256, 1024):
-                x = scaled(value, *most_x, x0, width)
-                out.append(f'<line x1="{x:.1f}" y1="{y0}" x2="{x:.1f}" y2="{y0 + height}" stroke="#e4e4e4"/>')
-                if r == 1:
-                    out.append(f'<text x="{x:.1f}" y="{y0 + height + 16}" text-anchor="middle">{value:,}</text>')
-            if r == 1:
-                out.append(f'<text x="{x0 + width / 2}" y="{y0 + height + 34}" text-anchor="middle">connections</text>')
-            for name, colour, mark, *_ in SERIES:
-                line = [(scaled(point[0], *most_x, x0, width),
-                         scaled(min(max(point[index], least), most), least, most, y0 + height, -height), point[3])
-                        for point in points[family, name]]
-                path = " ".join(f"{x:.1f},{y:.1f}" for x, y, _ in line)
-                out.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.6"/>')
-                out += [marked(mark, x, y, colour, proved) for x, y, proved in line]
-        middle = y0 + height / 2
-        out.append(f'<text x="14" y="{middle}" text-anchor="middle" transform="rotate(-90 14 {middle})">{unit}</text>')
-    x = left
-    y = total_height - 34
-    for name, colour, mark, *_ in SERIES:
-        out.append(f'<line x1="{x}" y1="{y - 4}" x2="{x + 22}" y2="{y - 4}" stroke="{colour}" stroke-width="1.6"/>')
-        out.append(marked(mark, x + 11, y - 4, colour, True))
-        out.append(f'<text x="{x + 28}" y="{y}">{name}</text>')
-        x += 44 + 6.9 * len(name)
-    out.append(f'<text x="{left}" y="{total_height - 10}">Hollow: stopped after {ARGUMENTS.limit:g} s without a proof. '
-               'Small problems: the memory of any process.</text>')
-    return "\n".join(out) + "\n</svg>\n"
-
-
-def marked(mark, x, y, colour, filled):
-    paint = f'fill="{colour if filled else "white"}" stroke="{colour}" stroke-width="1.4"'
-    shapes = {"circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.4" {paint}/>',
-              "square": f'<rect x="{x - 3.2:.1f}" y="{y - 3.2:.1f}" width="6.4" height="6.4" {paint}/>'}
-    corners = {"diamond": [(0, -4.4), (4.4, 0), (0, 4.4), (-4.4, 0)], "triangle": [(0, -4.2), (4, 3.2), (-4, 3.2)],
-               "wedge": [(0, 4.2), (4, -3.2), (-4, -3.2)]}
-    if mark in shapes:
-        return shapes[mark]
-    return f'<polygon points="{" ".join(f"{x + dx:.1f},{y + dy:.1f}" for dx, dy in corners[mark])}" {paint}/>'
+            ticks = ", ".join(f"'{text if f == 0 else ''}' {value}" for value, text in names.items())
+            places = ", ".join(f"'{n if row == 1 else ''}' {n}" for n in (4, 16, 64, 256, 1024))
+            plots = []
+            for i, (_, colour, full, hollow, *_) in enumerate(SERIES):
+                for kind, look in (("line", "lines lw 1.4"), ("full", f"points pt {full} ps 0.6"),
+                                   ("hollow", f"points pt {hollow} ps 0.8 lw 1.4")):
+                    plots.append(f"$f{f}s{i}{kind} using 1:{column} with {look} lc rgb '{colour}'")
+            script += [f"set yrange [{span}]", f"set ytics ({ticks})", f"set xtics ({places})",
+                       f"set title '{family if row == 0 else ''}'",
+                       f"set ylabel '{unit if f == 0 else ''}' offset 1",
+                       f"set xlabel '{'connections' if row == 1 else ''}'", "plot " + ", ".join(plots),
+                       "unset label"]
+    done = subprocess.run(["gnuplot", "-d"], input="\n".join(script) + "\n", capture_output=True, text=True, check=True)
+    return done.stdout.replace('font-family="Helvetica"', 'font-family="Helvetica,Arial,sans-serif"')
 
 
 # ---------------------------------------------------------------------------------------------------------------------
@@ -433,9 +400,20 @@ def problems():
     write_section("docs/problems.md", "problems", "\n\n".join(texts))
 
 
+def paper():
+    folder = Path(SCRATCH.name) / "paper"
+    subprocess.run([ARGUMENTS.program, "paper", "-o", str(folder)], check=True)
+    images = ROOT / "docs/images/paper"
+    shutil.rmtree(images, ignore_errors=True)
+    shutil.copytree(folder / "figures", images)
+    text = (folder / "paper.md").read_text(encoding="utf-8").replace("](figures/", "](images/paper/")
+    (ROOT / "docs/paper.md").write_text(text, encoding="utf-8")
+    print("docs/paper.md", flush=True)
+
+
 SECTIONS = {"expansions": expansions, "bounds": bounds, "growth": growth, "comparison": comparison,
-            "problems": problems, "learning": learning, "ablations": ablations}
-LONG = ["learning", "ablations"]
+            "problems": problems, "learning": learning, "ablations": ablations, "paper": paper}
+LONG = ["learning", "ablations", "paper"]
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

@@ -13,6 +13,7 @@ struct CompareOptions {
   std::string
       methods;  ///< names joined by commas; empty: every exact method that accepts the problem
   std::uint64_t seed = 1;
+  std::optional<std::uint64_t> steps;  ///< of methods for fleets
   bool markdown = false;
   bool csv = false;
   bool json = false;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/conflict.h"
 #include "cli/exit_codes.h"
 #include "cli/json_output.h"
 #include "cli/progress.h"
@@ -21,17 +22,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::size_t kRefusalsShown = 20;
-
-template <class Item>
-ordered_json conflict_json(const std::vector<Item>& items) {
-  ordered_json conflict = ordered_json::array();
-  for (const Item& item : items) {
-    conflict.push_back({{"constraint", constraint_name(item.constraint)},
-                        {"where", item.where},
-                        {"message", item.message}});
-  }
-  return conflict;
-}
 
 std::vector<std::string> connection_ids(const Problem& problem,
                                         const std::vector<ConnectionIndex>& connections) {
@@ -57,27 +47,6 @@ std::string cut(std::string_view text, std::size_t width) {
 
 // ------------------------------------------------------------------------------------------------
 // The whole problem
-
-std::string conflict_text(const ProblemExplanation& found) {
-  const std::size_t size = found.conflict.size();
-  std::string text = "no plan exists\n\n";
-  if (size == 1) {
-    text += "one constraint alone rules out every plan:\n";
-  } else if (found.minimal) {
-    text += fmt::format("{} constraints conflict; any {} of them alone would allow a plan:\n",
-                        grouped(size), grouped(size - 1));
-  } else {
-    text +=
-        fmt::format("{} constraints conflict; it is not proved that all of them are needed ({}):\n",
-                    grouped(size), stop_text(found.stop));
-  }
-  std::size_t width = 0;
-  for (const ConflictItem& item : found.conflict)
-    width = std::max(width, display_width(item.where));
-  for (const ConflictItem& item : found.conflict)
-    text += fmt::format("  {:<{}}  {}\n", item.where, width, printable(item.message));
-  return text;
-}
 
 /// Which connections cannot be the first, and one reason each.
 std::string refusals_text(const Problem& problem, const Context& context) {

@@ -11,79 +11,22 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/figures.h"
 #include "cli/json_output.h"
 #include "cli/progress.h"
+#include "cli/random_rewards.h"
 #include "cli/text.h"
-#include "orasp/model/scenario_generators.h"
-#include "orasp/planners/random_sequence.h"
 
 namespace orasp::cli {
 namespace {
 
-struct Sample {
-  std::vector<double> rewards;  ///< in the order in which they were drawn
-  std::vector<std::vector<ConnectionIndex>> sequences;
-  Result last;  ///< of the draw that ended the sample early, if one did
-};
+using Sample = RandomRewards;
 
 /// What a policy earns, and what there is to earn.
 struct Yardstick {
   double policy = 0;
   Result best;  ///< of `auto`
 };
-
-/// What is reported of the rewards; all 0 where there are none.
-struct Figures {
-  double mean = 0;
-  double deviation = 0;  ///< of the sample: n - 1 in the denominator; 0 for a single reward
-  double least = 0;
-  std::array<double, 3> quartiles{};
-  double greatest = 0;
-};
-
-/// The value below which the share `share` of the sorted numbers lies, linear between neighbours.
-/// Reference. Definition 7 of Hyndman and Fan (1996), The American Statistician 50(4), 361-365.
-double quantile(const std::vector<double>& sorted, double share) {
-  const double place = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
-Figures figures_of(std::vector<double> rewards) {
-  Figures figures;
-  if (rewards.empty()) return figures;
-  std::ranges::sort(rewards);
-  const auto n = static_cast<double>(rewards.size());
-  double above_least = 0;  // so that equal rewards have exactly their own mean
-  for (const double reward : rewards) above_least += reward - rewards.front();
-  figures.mean = rewards.front() + above_least / n;
-  double squares = 0;
-  for (const double reward : rewards) squares += (reward - figures.mean) * (reward - figures.mean);
-  figures.deviation = rewards.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
-  figures.least = rewards.front();
-  figures.quartiles = {quantile(rewards, 0.25), quantile(rewards, 0.5), quantile(rewards, 0.75)};
-  figures.greatest = rewards.back();
-  return figures;
-}
-
-/// Sequence i is drawn with the i-th number of SplitMix64(seed) as its seed, so that a longer
-/// sample begins with the shorter one.
-Sample draw(const TransitionSystem& system, const SampleOptions& options, const Budget& budget) {
-  Sample sample;
-  SplitMix64 seeds(options.seed);
-  for (std::uint64_t i = 0; i < options.count; ++i) {
-    Result result = random_sequence(system, {.seed = seeds.next()}, budget);
-    if (!result.has_plan()) {
-      sample.last = std::move(result);
-      break;
-    }
-    sample.rewards.push_back(result.reward);
-    if (options.sequences) sample.sequences.push_back(std::move(result.sequence));
-    if (i % 16 == 0) budget.report({.phase = "drawing", .done = i, .total = options.count});
-  }
-  return sample;
-}
 
 /// `auto` gets the time limit, 10 s where there is none.
 std::optional<Yardstick> yardstick(const Problem& problem, const TransitionSystem& system,
@@ -110,7 +53,8 @@ nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, con
       {"deviation", number(figures.deviation)},
       {"min", number(figures.least)},
       {"quartiles",
-       {number(figures.quartiles[0]), number(figures.quartiles[1]), number(figures.quartiles[2])}},
+       {number(figures.percentiles[1]), number(figures.percentiles[2]),
+        number(figures.percentiles[3])}},
       {"max", number(figures.greatest)},
       {"rewards", sample.rewards}};
   if (yardstick) {
@@ -189,8 +133,8 @@ std::string summary(const Problem& problem, const Sample& sample, const Figures&
                                  counted(options.count, "random sequence"), options.seed);
   if (!sample.rewards.empty()) {
     const std::vector<double> numbers = {
-        figures.mean,         figures.deviation,    figures.least,   figures.quartiles[0],
-        figures.quartiles[1], figures.quartiles[2], figures.greatest};
+        figures.mean,           figures.deviation,      figures.least,   figures.percentiles[1],
+        figures.percentiles[2], figures.percentiles[3], figures.greatest};
     const std::vector<std::string> texts = aligned_numbers(numbers);
     constexpr std::array<const char*, 7> kNames = {
         "mean", "deviation", "minimum", "lower quartile", "median", "upper quartile", "maximum"};
@@ -224,7 +168,7 @@ int run(const SampleOptions& options, const Context& context) {
       sample.last.status = Status::Infeasible;
       sample.last.notes = {reason->message};
     } else {
-      sample = draw(system, options, budget);
+      sample = draw_rewards(system, options.count, options.seed, options.sequences, budget);
     }
   }
   const Figures figures = figures_of(sample.rewards);

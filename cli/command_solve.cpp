@@ -8,11 +8,16 @@
 #include <fmt/format.h>
 
 #include "cli/exit_codes.h"
+#include "cli/fleet.h"
+#include "cli/plan_summary.h"
 #include "cli/progress.h"
 #include "cli/step_table.h"
 #include "cli/text.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/fleet_plan_json.h"
+#include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
+#include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/alternatives.h"
 #include "orasp/planners/state_graph.h"
@@ -29,6 +34,18 @@ void refuse_foreign_options(const SolveOptions& options) {
   }
   if (!options.policy.empty() && options.method != "dqn") {
     throw InputError(fmt::format("--policy belongs to the method dqn, not to {}", options.method));
+  }
+  if (!options.write_model.empty()) {
+    if (options.method != "mip")
+      throw InputError(
+          fmt::format("--write-model belongs to the method mip, not to {}", options.method));
+    require_model_file(options.write_model);
+    const char* const idle = !options.output.empty()    ? "--output"
+                             : options.count            ? "--count"
+                             : options.alternatives > 0 ? "--alternatives"
+                                                        : nullptr;
+    if (idle != nullptr)
+      throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
   }
   if (options.method == "value-iteration") return;
   const char* const foreign = options.sweep_order     ? "--sweep-order"
@@ -84,66 +101,6 @@ Settings settings_of(const SolveOptions& options) {
   return settings;
 }
 
-/// "optimal (proved)", "feasible (stopped by the time limit; not proved best)".
-std::string status_text(const Result& result, bool colour) {
-  std::string meaning;
-  const char* shade = "\x1b[33m";
-  switch (result.status) {
-    case Status::Optimal:
-      meaning = "proved";
-      shade = "\x1b[32m";
-      break;
-    case Status::Feasible: meaning = "not proved best"; break;
-    case Status::Infeasible:
-      meaning = "proved: no plan exists";
-      shade = "\x1b[31m";
-      break;
-    case Status::Unknown: meaning = "neither a plan nor a proof that there is none"; break;
-  }
-  if (result.stop != Stop::None) meaning = stop_text(result.stop) + "; " + meaning;
-  const std::string_view name = status_name(result.status);
-  return colour ? fmt::format("{}{}\x1b[0m ({})", shade, name, meaning)
-                : fmt::format("{} ({})", name, meaning);
-}
-
-/// The proved bound, if there is one. It is a sum of the same numbers as the reward in another
-/// order: what rounding did to them is not a gap.
-std::optional<double> known_bound(const Result& result) {
-  if (result.status == Status::Optimal) return result.reward;
-  if (!result.bound || !std::isfinite(*result.bound)) return std::nullopt;
-  return result.has_plan() ? std::max(*result.bound, result.reward) : *result.bound;
-}
-
-/// "12,096 states, 67,824 actions, 12,096 expanded, 0.00412 s, 1.2 MiB"; what is 0 is left out.
-std::string statistics_text(const Result& result) {
-  const Statistics& statistics = result.statistics;
-  const bool learns = result.method == "q-learning" || result.method == "dqn";
-  std::string text;
-  const auto add = [&text](std::uint64_t number, std::string_view noun) {
-    if (number > 0) text += fmt::format("{} {}, ", grouped(number), noun);
-  };
-  add(statistics.states, statistics.states == 1 ? "state" : "states");
-  add(statistics.actions, statistics.actions == 1 ? "action" : "actions");
-  add(statistics.expanded, "expanded");
-  add(statistics.generated, "generated");
-  add(statistics.reopened, "reopened");
-  add(statistics.pruned, "pruned");
-  if (statistics.sweeps > 0)
-    text += counted(statistics.sweeps, learns ? "episode" : "sweep") + ", ";
-  text += seconds_text(statistics.seconds);
-  if (statistics.peak_bytes > 0) text += ", " + bytes_text(statistics.peak_bytes);
-  return text;
-}
-
-std::string opposite_order(const Problem& problem, const Result& result, std::size_t width) {
-  std::vector<std::string> ids;
-  for (const ConnectionIndex c : result.sequence) ids.push_back(problem.connection_id(c));
-  std::ranges::reverse(ids);
-  const bool assembly = problem.direction() == Direction::Assembly;
-  return fmt::format("\n{} order\n{}", assembly ? "disassembly" : "assembly",
-                     wrapped_list(ids, 2, width));
-}
-
 bool wants_other_plans(const SolveOptions& options) {
   return options.count || options.alternatives > 0;
 }
@@ -184,37 +141,80 @@ std::string alternatives_text(const Problem& problem, const Alternatives& altern
 
 std::string summary(const Problem& problem, const Result& result, const Alternatives& alternatives,
                     const SolveOptions& options, const Context& context) {
-  std::string text;
-  const auto line = [&text](std::string_view name, const std::string& value) {
-    text += fmt::format("{:<8} {}\n", name, value);
-  };
-  text += fmt::format("{}: {}, {}\n", title(problem, options.problem),
-                      counted(problem.num_parts(), "part"),
-                      counted(problem.num_connections(), "connection"));
-  line("method", result.method);
-  line("status", status_text(result, context.colour()));
-  if (result.has_plan()) line("reward", number_text(result.reward));
-  if (const std::optional<double> bound = known_bound(result)) {
-    line("bound", number_text(*bound));
-    if (result.has_plan()) line("gap", number_text(*bound - result.reward));
-  }
-  line("effort", statistics_text(result));
-
-  if (result.has_plan()) {
-    const Evaluation evaluation =
-        evaluate(problem, std::span<const ConnectionIndex>(result.sequence));
-    if (!evaluation.valid)
-      throw std::logic_error(fmt::format("{} returned a plan that breaks a rule: {}", result.method,
-                                         evaluation.violations.front().violation.message));
-    if (!evaluation.steps.empty()) {
-      text += '\n' + step_table(problem, evaluation.steps, context);
-      text += opposite_order(problem, result, context.width());
-    }
-  }
+  std::string text = plan_summary(TransitionSystem(problem), options.problem, result, context);
   text += alternatives_text(problem, alternatives, options, context);
   if (!result.notes.empty()) text += '\n';
   for (const std::string& note : result.notes) text += printable(note) + '\n';
   return text;
+}
+
+/// The model in a file instead of a plan.
+int write_program(const MipModel& model, const SolveOptions& options, const Context& context,
+                  const std::string& objective) {
+  write_model(model, options.write_model);
+  context.print(
+      options.json
+          ? fmt::format("{{\"model\": {}, \"columns\": {}, \"whole_columns\": {}, \"rows\": {}, "
+                        "\"terms\": {}}}\n",
+                        json_string(options.write_model), model.num_columns(), model.num_integers(),
+                        model.num_rows(), model.num_terms())
+          : fmt::format("{}: {} ({} whole), {}, {}; its objective, to be minimised, is {}\n",
+                        printable(options.write_model), counted(model.num_columns(), "column"),
+                        grouped(model.num_integers()), counted(model.num_rows(), "row"),
+                        counted(model.num_terms(), "term"), objective));
+  return kSolved;
+}
+
+int write_fleet_program(const FleetProblem& fleet, const FleetOptions& chosen,
+                        const SolveOptions& options, const Context& context) {
+  const bool travel = chosen.objective == FleetObjective::Travel;
+  if (travel && !chosen.steps)
+    throw InputError(
+        "--write-model: the integer program of the least travel needs --steps N, the most steps");
+  return write_program(
+      fleet_mip_model(fleet, chosen.objective, chosen.steps.value_or(fleet_mip_horizon(fleet))),
+      options, context, travel ? "the travel in m^2" : "the number of steps");
+}
+
+/// Options that mean nothing to a method for fleets.
+void refuse_one_robot_options(const SolveOptions& options) {
+  const char* const foreign = options.count              ? "--count"
+                              : options.alternatives > 0 ? "--alternatives"
+                                                         : nullptr;
+  if (foreign != nullptr)
+    throw InputError(
+        fmt::format("{} belongs to the methods for one robot, not to one for fleets", foreign));
+}
+
+int run_fleet(const Problem& problem, const Planner& planner, const SolveOptions& options,
+              const Context& context) {
+  refuse_one_robot_options(options);
+  const FleetProblem fleet(problem);
+  FleetOptions chosen{
+      .objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
+  if (options.changes.objective)
+    chosen.objective = *fleet_objective_called(*options.changes.objective);
+  if (!options.write_model.empty()) return write_fleet_program(fleet, chosen, options, context);
+  FleetResult result;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    result = solve_fleet(fleet, planner.name, chosen, budget);
+  }
+  require_valid(fleet, result);
+  Settings settings = settings_of(options);
+  if (options.steps) settings["steps"] = fmt::to_string(*options.steps);
+  const std::string plan = fleet_plan_text(fleet, result, settings);
+  if (!options.output.empty()) {
+    if (result.has_plan()) {
+      write_file(options.output, plan);
+    } else {
+      context.warn("there is no plan, so " + options.output + " is not written");
+    }
+  }
+  context.print(options.json ? plan : fleet_summary(fleet, options.problem, result, context));
+  return exit_code(result);
 }
 
 }  // namespace
@@ -223,10 +223,35 @@ int run(const SolveOptions& options, const Context& context) {
   const Planner& planner = planner_named(options.method);
   refuse_foreign_options(options);
   Options chosen = planner_options(options);
-  const Problem problem = load_problem(options.problem, options.changes, context);
+  ProblemChanges changes = options.changes;
+  changes.objective.reset();  // it may be one of fleets
+  Problem problem = load_fleet_problem(options.problem, changes, context);
+  if (plans_for_fleet(planner, problem, options.changes.objective))
+    return run_fleet(problem, planner, options, context);
+  if (options.steps)
+    throw InputError(fmt::format("--steps belongs to the methods for fleets, not to {}{}",
+                                 options.method,
+                                 planner.run_fleet != nullptr ? " for one robot" : ""));
+  warn_of_unused_fleet(problem, context);
+  if (options.changes.objective) {
+    ProblemChanges objective;
+    objective.objective = options.changes.objective;
+    problem = changed(problem, objective);
+  }
+  if (!options.write_model.empty())
+    return write_program(mip_model(TransitionSystem(problem)), options, context,
+                         "minus the reward");
   if (!options.policy.empty()) {
     chosen.policy =
         std::make_shared<const Policy>(read_policy(options.policy, problem).trained.policy);
+  }
+
+  if (problem.uncertain() && wants_other_plans(options)) {
+    throw InputError(fmt::format(
+        "{} lists plans for attempts that always succeed, and an attempt at connection {} may fail "
+        "(its success is below 1); leave it out",
+        options.count ? "--count" : "--alternatives",
+        in_quotes(problem.connection_id(*problem.first_uncertain()))));
   }
 
   Result result;
@@ -247,13 +272,16 @@ int run(const SolveOptions& options, const Context& context) {
         alternatives.plans ? "the list of the best plans" : "building H for other plans",
         stop_text(alternatives.stop)));
   }
-  const std::string plan = options.json || !options.output.empty()
+  // Where attempts may fail, an order is not all there is to do: the file is the policy.
+  const bool writes_policy = result.expectation.has_value();
+  const std::string plan = options.json || (!options.output.empty() && !writes_policy)
                                ? plan_text(problem, result, settings_of(options), &alternatives)
                                : std::string();
   if (!options.output.empty()) {
     // What stands in the file may be the plan of yesterday: a run without a plan leaves it alone.
     if (result.has_plan()) {
-      write_file(options.output, plan);
+      write_file(options.output,
+                 writes_policy ? state_policy_text(TransitionSystem(problem), result) : plan);
     } else {
       context.warn("there is no plan, so " + options.output + " is not written");
     }

@@ -168,6 +168,12 @@ std::string summary(const Problem& problem, const Training& training, const Trai
 int run(const TrainOptions& options, const Context& context) {
   if (!options.policy.empty()) require_folder(options.policy);
   const Problem problem = load_problem(options.problem, options.changes, context);
+  if (problem.uncertain()) {
+    throw InputError(fmt::format(
+        "train learns for attempts that always succeed, and an attempt at connection {} may fail "
+        "(its success is below 1); `orasp solve` finds the optimal policy",
+        in_quotes(problem.connection_id(*problem.first_uncertain()))));
+  }
   std::optional<PolicyFile> earlier;
   if (!options.resume.empty()) earlier = read_policy(options.resume, problem);
   DqnOptions dqn = options.dqn;

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "cli/exit_codes.h"
+#include "cli/fleet.h"
 #include "cli/signals.h"
 #include "cli/text.h"
 #include "orasp/io/problem_json.h"
@@ -81,7 +82,7 @@ Direction direction_called(const std::string& name) {
 
 bool any(const ProblemChanges& changes) {
   return changes.objective || changes.direction || changes.max_subassemblies ||
-         changes.max_moved_parts || changes.max_moved_mass;
+         changes.max_moved_parts || changes.max_moved_mass || changes.robots || changes.sites;
 }
 
 }  // namespace
@@ -111,24 +112,49 @@ std::string read_text(const std::string& file) {
   return text;
 }
 
+Problem changed(const Problem& problem, const ProblemChanges& changes) {
+  ProblemSpec spec = problem.spec();
+  if (changes.objective) spec.objective = objective_called(*changes.objective);
+  if (changes.direction) spec.direction = direction_called(*changes.direction);
+  if (changes.max_subassemblies) spec.limits.max_subassemblies = *changes.max_subassemblies;
+  if (changes.max_moved_parts) spec.limits.max_moved_parts = *changes.max_moved_parts;
+  if (changes.max_moved_mass) spec.limits.max_moved_mass = *changes.max_moved_mass;
+  const auto fleet = [&spec](const char* option) -> Fleet& {
+    if (!spec.fleet)
+      throw InputError(fmt::format("{}: the problem has no \"fleet\" to change", option));
+    return *spec.fleet;
+  };
+  if (changes.robots) fleet("--robots").robots = *changes.robots;
+  if (changes.sites) {
+    auto& sites = fleet("--sites").sites;
+    if (*changes.sites > sites.size())
+      throw InputError(fmt::format("--sites: {} is more than the {} of the problem", *changes.sites,
+                                   counted(sites.size(), "site")));
+    sites.resize(*changes.sites);
+  }
+  return Problem(std::move(spec));
+}
+
 Problem load_problem(const std::string& name, const ProblemChanges& changes,
                      const Context& context) {
+  Problem problem = load_fleet_problem(name, changes, context);
+  warn_of_unused_fleet(problem, context);
+  return problem;
+}
+
+Problem load_fleet_problem(const std::string& name, const ProblemChanges& changes,
+                           const Context& context) {
   Problem problem = problem_called(name);
-  if (any(changes)) {
-    ProblemSpec spec = problem.spec();
-    if (changes.objective) spec.objective = objective_called(*changes.objective);
-    if (changes.direction) spec.direction = direction_called(*changes.direction);
-    if (changes.max_subassemblies) spec.limits.max_subassemblies = *changes.max_subassemblies;
-    if (changes.max_moved_parts) spec.limits.max_moved_parts = *changes.max_moved_parts;
-    if (changes.max_moved_mass) spec.limits.max_moved_mass = *changes.max_moved_mass;
-    problem = Problem(std::move(spec));
-  }
+  if (any(changes)) problem = changed(problem, changes);
   for (const std::string& warning : problem.warnings()) context.warn(printable(warning));
   return problem;
 }
 
 PlanFile read_plan(const std::string& file, Direction direction) {
-  const std::string text = read_text(file);
+  return parse_plan_text(read_text(file), file, direction);
+}
+
+PlanFile parse_plan_text(const std::string& text, const std::string& file, Direction direction) {
   try {
     return parse_plan(text, direction);
   } catch (const InputError& error) {
@@ -200,6 +226,8 @@ void note_changes(const ProblemChanges& changes, Settings& settings) {
   if (changes.max_moved_parts)
     settings["max-moved-parts"] = fmt::to_string(*changes.max_moved_parts);
   if (changes.max_moved_mass) settings["max-moved-mass"] = fmt::to_string(*changes.max_moved_mass);
+  if (changes.robots) settings["robots"] = fmt::to_string(*changes.robots);
+  if (changes.sites) settings["sites"] = fmt::to_string(*changes.sites);
 }
 
 void note_limits(const LimitOptions& limits, Settings& settings) {

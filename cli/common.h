@@ -22,6 +22,8 @@ struct ProblemChanges {
   std::optional<std::uint64_t> max_subassemblies;
   std::optional<std::uint64_t> max_moved_parts;
   std::optional<double> max_moved_mass;  ///< kg
+  std::optional<std::uint64_t> robots;   ///< of the fleet
+  std::optional<std::uint64_t> sites;    ///< of the fleet: the first so many
 };
 
 /// What a run may spend.
@@ -35,13 +37,25 @@ struct LimitOptions {
 [[nodiscard]] std::string read_text(const std::string& file);
 
 /// Loads PROBLEM: "-" is standard input; a name with a '/' or that ends in ".json" is a file;
-/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error.
+/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error; that a fleet is not used
+/// is one of them.
 /// @throws InputError.
 [[nodiscard]] Problem load_problem(const std::string& name, const ProblemChanges& changes,
                                    const Context& context);
 
+/// The same, for a command that may use the fleet: no warning of that.
+[[nodiscard]] Problem load_fleet_problem(const std::string& name, const ProblemChanges& changes,
+                                         const Context& context);
+
+/// The same problem under `changes`. @throws InputError.
+[[nodiscard]] Problem changed(const Problem& problem, const ProblemChanges& changes);
+
 /// Reads PLAN ("-" is standard input) for a problem of this direction. @throws InputError.
 [[nodiscard]] PlanFile read_plan(const std::string& file, Direction direction);
+
+/// The same from the text of `file`. @throws InputError.
+[[nodiscard]] PlanFile parse_plan_text(const std::string& text, const std::string& file,
+                                       Direction direction);
 
 /// Reads a policy that was trained on this very problem. @throws InputError.
 [[nodiscard]] PolicyFile read_policy(const std::string& file, const Problem& problem);

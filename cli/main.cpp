@@ -20,8 +20,12 @@
 #include "cli/command_evaluate.h"
 #include "cli/command_explain.h"
 #include "cli/command_graph.h"
+#include "cli/command_paper.h"
+#include "cli/command_replan.h"
+#include "cli/command_report.h"
 #include "cli/command_sample.h"
 #include "cli/command_scenarios.h"
+#include "cli/command_simulate.h"
 #include "cli/command_solve.h"
 #include "cli/command_train.h"
 #include "cli/exit_codes.h"
@@ -95,8 +99,13 @@ class HelpFormatter : public CLI::Formatter {
 
 std::string methods_help() {
   std::string text = "\nMethods:\n";
-  for (const Planner& planner : planners())
+  for (const Planner& planner : one_robot_planners())
     text += entry(std::string(planner.name), std::string(planner.summary));
+  text += "\nMethods for fleets:\n";
+  for (const Planner& planner : planners()) {
+    if (planner.run_fleet != nullptr && planner.name != "auto")
+      text += entry(std::string(planner.name), std::string(planner.summary));
+  }
   return text;
 }
 
@@ -234,7 +243,8 @@ void add_problem_options(CommandLine& line, ProblemChanges& changes) {
   line.group("Changes to the problem");
   line.text("--objective", "TYPE|FILE",
             fmt::format("What a step earns: {}; or a JSON file that holds an objective (default: "
-                        "as in the file).",
+                        "as in the file). Several robots: makespan, the fewest steps, or travel, the least "
+                        "(default: makespan).",
                         fmt::join(kObjectiveTypes, ", ")),
             changes.objective);
   line.text("--direction", "DIRECTION", "disassembly or assembly (default: as in the file).",
@@ -248,6 +258,8 @@ void add_problem_options(CommandLine& line, ProblemChanges& changes) {
   line.real("--max-moved-mass", "KG",
             "At most this mass of a moved piece, in kg (default: as in the file).",
             changes.max_moved_mass, Sign::NotNegative);
+  line.whole("--robots", "N", "Robots of the fleet (default: as in the file).", changes.robots, 1);
+  line.whole("--sites", "K", "The first K sites of the fleet (default: all).", changes.sites, 1);
 }
 
 void add_limit_options(CommandLine& line, LimitOptions& limits, const std::string& of = "",
@@ -304,6 +316,10 @@ int solve_command(const Arguments& arguments) {
   line.text("--policy", "FILE",
             "dqn: plan with this policy of `orasp train` (default: train one first).",
             options.policy);
+  line.text("--write-model", "FILE",
+            "mip: write the integer program to FILE.lp or FILE.mps for another solver, and solve "
+            "nothing (default: solve it).",
+            options.write_model);
   line.text("--sweep-order", "ORDER",
             "value-iteration: layers, or textbook as in the paper (default: layers).",
             options.sweep_order);
@@ -315,6 +331,10 @@ int solve_command(const Arguments& arguments) {
   line.real("--initial-value", "REWARD",
             "value-iteration: value of every state to begin with (default: 0).",
             options.initial_value, Sign::Any);
+  line.whole("--steps", "N",
+             "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+             "fewest possible).",
+             options.steps, 1, 1'000'000);
   line.group("Other plans");
   line.flag("--count", options.count,
             "Count the optimal sequences; builds H whatever the method (default: do not).");
@@ -330,6 +350,7 @@ int solve_command(const Arguments& arguments) {
               "  orasp solve product.json --method orasp-search --time-limit 60 -o plan.json\n"
               "  orasp solve jwst --objective time --direction assembly --time-limit 10\n"
               "  orasp solve lattice --count --alternatives 3\n"
+              "  orasp solve fleet-lattice --objective travel --steps 5\n"
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
@@ -418,6 +439,53 @@ int explain_command(const Arguments& arguments) {
   return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
+int replan_command(const Arguments& arguments) {
+  ReplanOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "replan",
+      "Finds the best plan from where the work stands, with what has changed since, and\n"
+      "says what that changes in the old plan.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Where the work stands");
+  line.value("--plan", "FILE", "The old plan; - for standard input (default: none).",
+             [&](const std::string& given) { options.plan = given; });
+  line.whole("--done", "K", "The first K steps of the old plan are done (default: 0).",
+             options.done, 0);
+  line.text("--removed,--made", "IDS",
+            "Connections that are done, separated by commas: removed, or in assembly made "
+            "(default: none).",
+            options.removed);
+  line.group("What has changed");
+  line.text("--inaccessible", "IDS",
+            "Connections that stay as they are; the goal is everything else (default: none).",
+            options.inaccessible);
+  line.text("--not-next", "IDS",
+            "Connections that cannot be the next step, but may be a later one (default: none).",
+            options.not_next);
+  line.text("--lost-part", "IDS",
+            "Parts that are lost: their open connections are inaccessible (default: none).",
+            options.lost_parts);
+  line.text("--late-part", "IDS",
+            "Parts that arrive late: their connections wait until nothing else can be done "
+            "(default: none).",
+            options.late_parts);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet,
+                     "the steps still to come (format orasp-plan/1)");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp solve hubble -o plan.json\n"
+      "  orasp replan hubble --plan plan.json --done 5 --inaccessible 3-4\n"
+      "  orasp replan hubble --removed 1-2,1-3 --lost-part 7 --json\n"
+      "  orasp replan hubble --plan plan.json --done 5 --objective time\n"
+      "\n"
+      "Exit codes: 0 solved, 10 proved infeasible (the conflict is named), 20 a limit or\n"
+      "Ctrl-C stopped it (the best plan so far is printed), 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+}
+
 int compare_command(const Arguments& arguments) {
   CompareOptions options;
   bool quiet = false;
@@ -425,8 +493,14 @@ int compare_command(const Arguments& arguments) {
   line.positionals("PROBLEM", options.problems, kProblemHelp);
   line.group("Method");
   line.text("--methods", "A,B,...",
-            "Methods to run (default: every exact one that accepts the problem).", options.methods);
+            "Methods to run (default: every exact one that accepts the problem; every one for "
+            "fleets where there is a fleet).",
+            options.methods);
   add_seed_option(line, options.seed, "the methods that draw random numbers");
+  line.whole("--steps", "N",
+             "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+             "fewest possible).",
+             options.steps, 1, 1'000'000);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits, " each run");
   add_output_options(line, options.json, options.output, quiet, "the table");
@@ -439,6 +513,7 @@ int compare_command(const Arguments& arguments) {
               "  orasp compare 2x3 lattice hubble\n"
               "  orasp compare hubble --methods greedy,random,orasp-search --markdown\n"
               "  orasp compare problems/*.json --time-limit 10 --csv > table.csv\n"
+              "  orasp compare fleet-lattice fleet-hubble --objective travel\n"
               "\n"
               "Exit codes: 0 compared, whatever the methods said; 20 interrupted, the rows so\n"
               "far are printed; 30 wrong input; 40 exact methods disagree.");
@@ -470,6 +545,43 @@ int sample_command(const Arguments& arguments) {
       "  orasp sample jwst -n 100 --seed 7 --json --sequences\n"
       "\n"
       "Exit codes: 0 drawn, 10 proved infeasible, 20 a limit stopped it, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+}
+
+int simulate_command(const Arguments& arguments) {
+  SimulateOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "simulate",
+      "Executes a plan or a policy with random failures, again and again, and describes\n"
+      "the rewards and the attempts. The mean agrees with the computed expectation.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Followed");
+  line.text(
+      "--plan", "FILE",
+      "Follow this plan; where its next connection is not legal, replan; - for standard input "
+      "(default: an optimal policy, solved first).",
+      options.plan);
+  line.text(
+      "--policy", "FILE",
+      "Follow this policy of `orasp solve -o`; - for standard input (default: an optimal one, "
+      "solved first).",
+      options.policy);
+  line.group("Simulation");
+  line.whole("-n,--count", "N", "Runs (default: 10000).", options.count, 1);
+  add_seed_option(line, options.seed, "the failures");
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits, "", false);
+  add_output_options(line, options.json, options.output, quiet, "the figures");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp simulate product.json\n"
+      "  orasp solve product.json -o policy.json && orasp simulate product.json --policy "
+      "policy.json\n"
+      "  orasp simulate product.json --plan plan.json -n 100000 --seed 7 --json\n"
+      "\n"
+      "Exit codes: 0 simulated, 10 proved infeasible, 20 a limit or Ctrl-C stopped it (the\n"
+      "runs so far are described), 30 wrong input.");
   return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
@@ -577,6 +689,85 @@ int train_command(const Arguments& arguments) {
   return run(options, Context(quiet));
 }
 
+int paper_command(const Arguments& arguments) {
+  PaperOptions options;
+  bool quiet = false;
+  bool no_learning = false;
+  CommandLine line("paper",
+                   "Computes everything of the paper again that can be computed, beside the\n"
+                   "printed numbers: DIR/paper.html, paper.md, paper.json, figures/*.svg.");
+  line.text("-o,--output", "DIR", "Write into this folder, which is made if it is missing (default: orasp-paper).",
+            options.folder);
+  line.flag("--quick", options.effort.quick,
+            "Fewer repeats, smaller growth, training of a second or two (default: a few minutes).");
+  line.flag("--no-learning", no_learning, "Leave the learned plans out (default: train them).");
+  line.flag("--json", options.json, "Print the numbers as JSON (default: what was written).");
+  line.flag("--quiet", quiet, "No progress on standard error (default: what comes next).");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp paper -o paper\n"
+      "  orasp paper --quick -o /tmp/paper\n"
+      "\n"
+      "Exit codes: 0 written, 20 Ctrl-C stopped it (nothing is written), 30 wrong input, or\n"
+      "Graphviz or gnuplot is missing.");
+  if (!line.parse(arguments)) return kSolved;
+  options.effort.learning = !no_learning;
+  return run(options, Context(quiet));
+}
+
+int report_command(const Arguments& arguments) {
+  ReportOptions options;
+  bool quiet = false;
+  CommandLine line("report",
+                   "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
+                   "as a drawing, each plan step by step with what allows it, charts, what is proved.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.positionals("[PLAN]", options.plans,
+                   "plans to show, several side by side: files as for `orasp evaluate`, - for "
+                   "standard input (default: what auto finds)");
+  line.group("Page");
+  line.text("-o,--output", "FILE", "Write the page to FILE, whole or not at all; - prints it (default: none, with --svg alone).",
+            options.output);
+  line.text("--svg", "DIR",
+            "Draw the figures of the problem and of the first plan as SVG files into this folder, "
+            "which is made if it is missing (default: none).",
+            options.svg);
+  line.text("--title", "TEXT", "Heading of the page (default: the problem's name).", options.title);
+  line.text("--log", "FILE", "Show the learning curve of this `orasp train --log` (default: none).",
+            options.log);
+  line.text("--sample", "FILE",
+            "Show how the rewards of this `orasp sample --json` are distributed (default: none).",
+            options.sample);
+  line.value("--sample-count", "N",
+             "Draw N random sequences and show how their rewards are distributed (default: none).",
+             [&options](const std::string& given) {
+               options.sample_count = whole_number("--sample-count", given, 1, 10'000'000);
+             });
+  add_seed_option(line, options.seed, "the sample");
+  add_problem_options(line, options.changes);
+  line.group("Limits");
+  line.real("--time-limit", "SECONDS",
+            "Search so long for the best plan and a bound (default: 10).",
+            options.limits.time_limit, Sign::Positive);
+  line.whole("--memory-limit", "MIB",
+             "Stop the search where its tables hold more than this (default: three quarters of the "
+             "machine's memory).",
+             options.limits.memory_limit, 1, std::uint64_t{1} << 40);
+  line.whole("--threads", "N", "Threads of the search (default: all of the machine's).",
+             options.limits.threads, 1, 4096);
+  line.group("Output");
+  line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp report hubble -o hubble.html\n"
+      "  orasp report product.json first.json second.json -o both.html\n"
+      "  orasp report lattice --sample-count 1000 -o lattice.html\n"
+      "\n"
+      "Exit codes: 0 written, 10 written, but a plan breaks rules or none exists (proved),\n"
+      "20 written, but a limit stopped the search for a plan, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+}
+
 int scenarios_command(const Arguments& arguments) {
   ScenariosOptions options;
   bool quiet = false;
@@ -613,14 +804,18 @@ struct Command {
   int (*run)(const Arguments& arguments);
 };
 
-constexpr std::array<Command, 9> kCommands = {{
+constexpr std::array<Command, 13> kCommands = {{
     {"solve", "find a plan", solve_command},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
     {"explain", "why there is no plan, or why a connection cannot go first", explain_command},
+    {"replan", "the best plan from where the work stands", replan_command},
     {"compare", "several methods on several problems, one table", compare_command},
     {"sample", "rewards of random sequences", sample_command},
+    {"simulate", "run a plan or a policy against random failures", simulate_command},
     {"train", "learn a policy by deep Q-learning", train_command},
+    {"report", "one page that shows a problem and its plans", report_command},
+    {"paper", "the paper's numbers and figures, computed again", paper_command},
     {"scenarios", "list the built-in problems, or print one", scenarios_command},
     {"completion", "print the completion script for bash", completion_command},
 }};

@@ -234,7 +234,7 @@ std::set<Rule> World::broken_rules(const State& larger, const State& smaller,
   return broken;
 }
 
-Facts World::facts(const State& open, std::size_t connection) const {
+Facts World::facts(const State& open, std::size_t connection, std::size_t kept) const {
   State rest = open;
   rest[connection] = false;
   const bool assembly = spec_.direction == Direction::Assembly;
@@ -247,7 +247,7 @@ Facts World::facts(const State& open, std::size_t connection) const {
   facts.connection = connection;
   facts.before = number_of(present);
   facts.after = number_of(present_after);
-  facts.completes = number_of(rest) == 0;
+  facts.completes = number_of(rest) == kept;
   facts.subassemblies = subassemblies(present_after);
   const Parts a = piece_of(ends_[connection].first, smaller);
   if (!a.contains(ends_[connection].second)) {

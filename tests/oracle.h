@@ -70,7 +70,10 @@ class World {
   [[nodiscard]] State start() const { return State(num_connections(), true); }
   /// The whole product already has more subassemblies than allowed.
   [[nodiscard]] bool start_infeasible() const;
-  [[nodiscard]] Facts facts(const State& open, std::size_t connection) const;
+  /// `kept`: how many of the open connections are never handled.
+  [[nodiscard]] Facts facts(const State& open, std::size_t connection, std::size_t kept = 0) const;
+  /// Pieces of two or more parts that the connections of `present` hold together.
+  [[nodiscard]] std::size_t subassemblies(const State& present) const;
   /// The legal ones among facts(open, c) for all open c, ascending.
   [[nodiscard]] std::vector<Facts> legal_facts(const State& open) const;
 
@@ -83,7 +86,6 @@ class World {
   using Block = std::pair<std::size_t, std::size_t>;  ///< part, blocked by part
 
   [[nodiscard]] Parts piece_of(std::size_t part, const State& present) const;
-  [[nodiscard]] std::size_t subassemblies(const State& present) const;
   [[nodiscard]] double mass_of(const Parts& piece) const;
   [[nodiscard]] bool first_moves(const Parts& a, const Parts& b) const;
   [[nodiscard]] std::set<Rule> broken_precedence(const State& larger, std::size_t connection) const;

@@ -181,7 +181,7 @@ void add_connections(ProblemSpec& spec, Draw& draw, std::size_t most, double joi
     const bool is_new = taken.insert(connection.parts[0] + "-" + connection.parts[1]).second;
     if (named || !is_new) connection.id = "c" + std::to_string(spec.connections.size());
     if (draw.chance(0.4)) connection.duration = draw.one_of<double>({0, 0.5, 2, 3.25});
-    if (draw.chance(0.2)) connection.success = 0.9;
+    static_cast<void>(draw.chance(0.2));  // make_uncertain() decides; old seeds keep their problems
     spec.connections.push_back(connection);
   }
 }
@@ -288,6 +288,24 @@ ProblemSpec random_problem(std::uint64_t seed) {
   if (draw.chance(0.5)) add_precedence(spec, draw);
   add_limits(spec, draw);
   if (!spec.parts.empty() && draw.chance(0.35)) add_blocking(spec, draw, {0.1, 0.25, 0.5, 0.7});
+  return spec;
+}
+
+ProblemSpec make_uncertain(ProblemSpec spec, std::uint64_t seed) {
+  Draw draw(mixed(seed + 0x5eed));
+  std::vector<std::string> ids;
+  for (const Connection& connection : spec.connections) ids.push_back(id_of(connection));
+  for (Connection& connection : spec.connections) {
+    if (draw.chance(0.7)) connection.success = draw.one_of<double>({0.3, 0.5, 0.8, 0.95});
+    if (draw.chance(0.2)) {
+      connection.on_failure.abort = draw.one_of<double>({-50, 0, 2.5});
+    } else if (spec.direction == Direction::Disassembly && draw.chance(0.5)) {
+      std::vector<std::string> shuffled = ids;
+      draw.shuffle(shuffled);
+      shuffled.resize(std::min(shuffled.size(), draw.between(1, 3)));
+      connection.on_failure.breaks = shuffled;
+    }
+  }
   return spec;
 }
 

@@ -16,6 +16,9 @@ namespace orasp {
 /// with less blocking.
 [[nodiscard]] ProblemSpec larger_random_problem(std::uint64_t seed);
 
+/// The same problem with attempts that may fail: random `success`, and every kind of `on_failure` (no `breaks` in assembly).
+[[nodiscard]] ProblemSpec make_uncertain(ProblemSpec spec, std::uint64_t seed);
+
 /// A random objective of the given type, a name of kObjectiveTypes or "callable".
 [[nodiscard]] Objective random_objective(std::string_view type, std::uint64_t seed);
 

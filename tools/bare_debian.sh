@@ -43,6 +43,9 @@ trial=$folder/trial
 rm -rf --one-file-system "${trial:?}"
 cp -a "$folder/base" "$trial"
 cp -L /etc/resolv.conf /etc/hosts "$trial/etc/"
+certificates=/etc/ssl/certs/ca-certificates.crt  # this machine's, for the npm registry
+mkdir -p "$trial/etc/ssl/of-this-machine"
+[[ ! -e $certificates ]] || cp -L "$certificates" "$trial/etc/ssl/of-this-machine/certificates.crt"
 mkdir "$trial/orasp"
 (cd "$root" && git ls-files -z --cached --others --exclude-standard |
   while IFS= read -r -d '' file; do [[ ! -e $file ]] || printf '%s\0' "$file"; done |
@@ -54,6 +57,7 @@ inside() {
   printf '\n== bare: %s\n' "$*"
   local start=$SECONDS
   env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C CI=true \
+    NODE_EXTRA_CA_CERTS=/etc/ssl/of-this-machine/certificates.crt npm_config_cafile=/etc/ssl/of-this-machine/certificates.crt \
     ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
     chroot "$trial" "$@" </dev/null
   printf '== %d s\n' $((SECONDS - start))

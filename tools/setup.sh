@@ -3,9 +3,15 @@
 # Everything said here goes to standard error.
 
 run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev libmuparser-dev libboost-dev libmd-dev
-              graphviz)
+              graphviz gnuplot-nox)
 learning_packages=(libtorch-dev libopenblas0-pthread)
-test_packages=("${run_packages[@]}" "${learning_packages[@]}" libgtest-dev libbenchmark-dev python3)
+mip_packages=(coinor-libcbc-dev)
+test_packages=("${run_packages[@]}" "${learning_packages[@]}" "${mip_packages[@]}" libgtest-dev libbenchmark-dev python3
+               coinor-cbc python3-scipy)
+# For the tests of the report page. Node and npm may be there from elsewhere, whose packages exclude Debian's.
+command -v node >/dev/null || test_packages+=(nodejs)
+command -v npm >/dev/null || test_packages+=(npm)
+command -v chromium >/dev/null || test_packages+=(chromium)
 
 die() {
   printf 'orasp: %s\n' "$*" >&2

@@ -1,10 +1,14 @@
 #include "orasp/catalogue.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
 #include "orasp/learning/network.h"
+#include "orasp/model/fleet_expander.h"
 #include "orasp/planners/automatic.h"
+#include "orasp/planners/mip_solver.h"
+#include "orasp/planners/uncertain.h"
 
 namespace orasp {
 
@@ -19,6 +23,18 @@ constexpr std::array kPlanners = {
             always,
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return automatic(system, options.seed, budget);
+            },
+            [](const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
+              const bool fits = fleet.num_parts() <= kFleetMaxParts;
+              FleetResult result =
+                  fits ? fleet_search(fleet, options, budget) : fleet_fast(fleet, options, budget);
+              result.method = "auto";
+              result.notes.insert(
+                  result.notes.begin(),
+                  fits ? "auto: fleet-search, since the problem has a fleet of robots"
+                       : "auto: fast, since fleet-search takes at most " +
+                             std::to_string(kFleetMaxParts) + " parts");
+              return result;
             }},
     Planner{"value-iteration", "the paper's graph-based value iteration on H", true, true, 0,
             always,
@@ -54,6 +70,12 @@ constexpr std::array kPlanners = {
             [](const TransitionSystem& system, const Options&, const Budget& budget) {
               return and_or(system, {}, budget);
             }},
+    Planner{"mip", "an integer program, solved by CBC: the baseline (at most 32 connections, or a fleet)", true, false,
+            kMipMaxConnections, mip_solver_available,
+            [](const TransitionSystem& system, const Options&, const Budget& budget) {
+              return mip(system, budget);
+            },
+            fleet_mip},
     Planner{"exhaustive", "every sequence, for checking (at most 12 connections)", true, false,
             kExhaustiveMaxConnections, always,
             [](const TransitionSystem& system, const Options&, const Budget& budget) {
@@ -62,7 +84,8 @@ constexpr std::array kPlanners = {
     Planner{"greedy", "the best reward at every step; any size, no proof", false, false, 0, always,
             [](const TransitionSystem& system, const Options&, const Budget& budget) {
               return greedy(system, budget);
-            }},
+            },
+            fleet_greedy},
     Planner{"random", "a uniformly random legal sequence", false, false, 0, always,
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return random_sequence(system, {.seed = options.seed}, budget);
@@ -79,12 +102,38 @@ constexpr std::array kPlanners = {
               chosen.seed = options.seed;
               return dqn(system, chosen, budget);
             }},
+    Planner{"fleet-search", "several robots: the fewest steps, or the least travel, by search with proof",
+            true, false, 0, always, nullptr, fleet_search},
+    Planner{"fast", "several robots: a published heuristic for trees, subassemblies side by side; no proof", false,
+            false, 0, always, nullptr, fleet_fast},
 };
+static_assert(std::ranges::is_partitioned(kPlanners, [](const Planner& planner) {
+  return planner.run != nullptr;
+}));
+
+/// Where attempts may fail only the stochastic shortest path answers; the other methods would
+/// promise what a plan earns when nothing fails.
+Result solve_with_failures(const TransitionSystem& system, const Planner& planner,
+                           const Options& options, const Budget& budget) {
+  const Problem& problem = system.problem();
+  if (planner.name != "auto" && planner.name != "value-iteration") {
+    throw InputError(std::string(planner.name) +
+                     " plans for attempts that always succeed, and an attempt at connection \"" +
+                     problem.connection_id(*problem.first_uncertain()) +
+                     "\" may fail (its success is below 1); use value-iteration or auto");
+  }
+  return uncertain_value_iteration(system, options.value_iteration, budget);
+}
 
 }  // namespace
 
 std::span<const Planner> planners() {
   return kPlanners;
+}
+
+std::span<const Planner> one_robot_planners() {
+  const auto* const end = std::ranges::find(kPlanners, nullptr, &Planner::run);
+  return {kPlanners.begin(), end};
 }
 
 const Planner& find_planner(std::string_view name) {
@@ -99,8 +148,21 @@ const Planner& find_planner(std::string_view name) {
 Result solve(const Problem& problem, std::string_view method, const Options& options,
              const Budget& budget) {
   const Planner& planner = find_planner(method);
+  if (planner.run == nullptr)
+    throw InputError(std::string(method) + " plans for several robots, not for one");
   const TransitionSystem system(problem);
-  Result result = planner.run(system, options, budget);
+  Result result = problem.uncertain() ? solve_with_failures(system, planner, options, budget)
+                                      : planner.run(system, options, budget);
+  result.seed = options.seed;
+  return result;
+}
+
+FleetResult solve_fleet(const FleetProblem& fleet, std::string_view method,
+                        const FleetOptions& options, const Budget& budget) {
+  const Planner& planner = find_planner(method);
+  if (planner.run_fleet == nullptr)
+    throw InputError(std::string(method) + " plans for one robot, not for several");
+  FleetResult result = planner.run_fleet(fleet, options, budget);
   result.seed = options.seed;
   return result;
 }

@@ -15,7 +15,12 @@
 #include "orasp/planners/budget.h"
 #include "orasp/planners/dijkstra.h"
 #include "orasp/planners/exhaustive.h"
+#include "orasp/planners/fleet_heuristics.h"
+#include "orasp/planners/fleet_mip.h"
+#include "orasp/planners/fleet_result.h"
+#include "orasp/planners/fleet_search.h"
 #include "orasp/planners/greedy.h"
+#include "orasp/planners/mip.h"
 #include "orasp/planners/orasp_search.h"
 #include "orasp/planners/policy.h"
 #include "orasp/planners/random_sequence.h"
@@ -34,7 +39,7 @@ struct Options {
   std::shared_ptr<const Policy> policy;  ///< of dqn: plan with it; empty: train first
 };
 
-/// One row of the catalogue.
+/// One row of the catalogue: a method for one robot, for several, or for both.
 struct Planner {
   std::string_view name;
   std::string_view summary;       ///< one line, for help texts
@@ -43,11 +48,15 @@ struct Planner {
   std::size_t max_connections;    ///< refuses larger problems; 0: no limit of its own
   bool (*available)() = nullptr;  ///< false where a library was left out of the build
   Result (*run)(const TransitionSystem&, const Options&, const Budget&) = nullptr;
+  /// Of a method for several robots; empty for the others.
+  FleetResult (*run_fleet)(const FleetProblem&, const FleetOptions&, const Budget&) = nullptr;
 };
 
 /// All planners, in the order of the documentation. The one table: command line, tests, docs and
-/// benchmarks walk it.
+/// benchmarks walk it. Methods for fleets alone (no `run`) come last.
 [[nodiscard]] std::span<const Planner> planners();
+/// Those that plan for one robot (with `run`).
+[[nodiscard]] std::span<const Planner> one_robot_planners();
 
 /// @throws InputError `unknown method 'astr'; known: ...`.
 [[nodiscard]] const Planner& find_planner(std::string_view name);
@@ -60,5 +69,13 @@ struct Planner {
 ///     result.reward;    // -0.9902
 [[nodiscard]] Result solve(const Problem& problem, std::string_view method,
                            const Options& options = {}, const Budget& budget = {});
+
+/// Runs a method for several robots; "auto" chooses one and says which.
+///
+///     const Problem problem = orasp::load_scenario("fleet-lattice");
+///     const FleetResult result = orasp::solve_fleet(FleetProblem(problem), "fleet-search");
+///     result.plan.makespan();    // 4
+[[nodiscard]] FleetResult solve_fleet(const FleetProblem& fleet, std::string_view method,
+                                      const FleetOptions& options = {}, const Budget& budget = {});
 
 }  // namespace orasp

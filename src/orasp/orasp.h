@@ -35,16 +35,30 @@
 ///     const orasp::Training training = orasp::train(system, {}, orasp::Budget::with_time_limit(60));
 ///     orasp::follow_policy(system, training.trained.policy, {});
 ///
+///     // Several robots in synchronous steps: the fewest steps, or the least travel.
+///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
+///     orasp::solve_fleet(orasp::FleetProblem(lattice), "fleet-search").plan.steps;
+///
+///     // Figures for a paper, as SVG files: structure, steps, H, growth.
+///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
+///
 /// Folders: model (problem, rules), planners (one algorithm a pair of files), learning, io (JSON, Graphviz), catalogue (all
 /// planners by name). Errors: InputError, and nothing else is thrown on purpose. Units: kg, m, s.
 
 #include "orasp/catalogue.h"
+#include "orasp/io/document.h"
+#include "orasp/io/figures.h"
+#include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/io/state_policy_json.h"
 #include "orasp/learning/dqn.h"
 #include "orasp/learning/environment.h"
 #include "orasp/learning/q_learning.h"
+#include "orasp/model/fleet.h"
+#include "orasp/model/fleet_expander.h"
+#include "orasp/model/fleet_validate.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/transition_system.h"
@@ -57,7 +71,11 @@
 #include "orasp/planners/bounds.h"
 #include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/explain.h"
+#include "orasp/planners/fleet_search.h"
 #include "orasp/planners/graph_size.h"
 #include "orasp/planners/plan_order.h"
 #include "orasp/planners/policy.h"
+#include "orasp/planners/replanner.h"
 #include "orasp/planners/state_graph.h"
+#include "orasp/planners/state_index.h"
+#include "orasp/planners/uncertain.h"

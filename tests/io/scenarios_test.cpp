@@ -28,7 +28,6 @@ TEST(Scenarios, AreThePublishedOnes) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   for (const auto& file : json_files(folder)) {
     const std::string name = file.stem().string();
-    if (name.starts_with("fleet-")) continue;  // several robots: not built in
     ASSERT_TRUE(is_scenario(name)) << name;
     EXPECT_EQ(problem_digest(load_scenario(name)), problem_digest(read_problem(file))) << name;
   }

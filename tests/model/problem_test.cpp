@@ -157,12 +157,10 @@ TEST(Problem, WarnsOfAConnectionOfAPartToItself) {
                 "connection \"4-4\" joins part \"4\" to itself; removing it separates nothing"});
 }
 
-TEST(Problem, WarnsThatAFleetIsNotUsed) {
+TEST(Problem, ChecksItsFleet) {
   ProblemSpec spec = five_parts();
   spec.fleet = Fleet{.robots = 4, .depot = {}, .sites = {}};
-  EXPECT_EQ(Problem(spec).warnings(),
-            std::vector<std::string>{"fleet: its 4 robots are kept with the problem; the planners "
-                                     "for one robot do not use them"});
+  EXPECT_TRUE(Problem(spec).warnings().empty());
   spec.fleet->robots = 0;
   EXPECT_EQ(fault_of([&] { return Problem(spec); }),
             "fleet.robots: 0 is not allowed; a fleet has at least 1 robot");

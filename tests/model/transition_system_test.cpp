@@ -24,22 +24,18 @@ using instances::assembly;
 
 oracle::Rule rule_of(Constraint constraint) {
   switch (constraint) {
-    case Constraint::Precedence:
-      return oracle::Rule::Precedence;
-    case Constraint::PrecedenceAny:
-      return oracle::Rule::PrecedenceAny;
-    case Constraint::MaxSubassemblies:
-      return oracle::Rule::MaxSubassemblies;
-    case Constraint::MaxMovedParts:
-      return oracle::Rule::MaxMovedParts;
-    case Constraint::MaxMovedMass:
-      return oracle::Rule::MaxMovedMass;
-    case Constraint::Blocking:
-      return oracle::Rule::Blocking;
+    case Constraint::Precedence: return oracle::Rule::Precedence;
+    case Constraint::PrecedenceAny: return oracle::Rule::PrecedenceAny;
+    case Constraint::MaxSubassemblies: return oracle::Rule::MaxSubassemblies;
+    case Constraint::MaxMovedParts: return oracle::Rule::MaxMovedParts;
+    case Constraint::MaxMovedMass: return oracle::Rule::MaxMovedMass;
+    case Constraint::Blocking: return oracle::Rule::Blocking;
     case Constraint::NotOpen:
-      break;
+    case Constraint::Inaccessible:
+    case Constraint::NotNext:
+    case Constraint::Late: break;
   }
-  throw std::logic_error("NotOpen of an open connection");
+  throw std::logic_error("no constraint of the problem's own");
 }
 
 oracle::Parts as_parts(const std::vector<PartIndex>& list) {

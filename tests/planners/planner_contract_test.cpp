@@ -27,7 +27,7 @@ class PlannerContract : public testing::TestWithParam<std::size_t> {
   void SetUp() override {
     if (!planner().available()) GTEST_SKIP() << planner().name << " is not part of this build";
   }
-  [[nodiscard]] const Planner& planner() const { return planners()[GetParam()]; }
+  [[nodiscard]] const Planner& planner() const { return one_robot_planners()[GetParam()]; }
   [[nodiscard]] Result run(const Problem& problem, const Budget& budget = {},
                            const Options& options = quick_options()) const {
     return solve(problem, planner().name, options, budget);
@@ -270,7 +270,7 @@ TEST_P(PlannerContract, RefusesOrSurvivesAChainOf500Parts) {
     EXPECT_TRUE(planner().builds_graph || planner().max_connections != 0) << text;
     EXPECT_NE(text.find(planner().name), std::string::npos) << text;
     bool names_another = false;
-    for (const Planner& other : planners()) {
+    for (const Planner& other : one_robot_planners()) {
       const bool usable =
           !other.builds_graph && other.max_connections == 0 && other.name != planner().name;
       names_another |= usable && text.find(other.name) != std::string::npos;
@@ -313,8 +313,8 @@ TEST_P(PlannerContract, KeepsNothingBetweenCalls) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, PlannerContract,
-                         testing::Range<std::size_t>(0, planners().size()), [](const auto& row) {
-                           std::string name(planners()[row.param].name);
+                         testing::Range<std::size_t>(0, one_robot_planners().size()), [](const auto& row) {
+                           std::string name(one_robot_planners()[row.param].name);
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

@@ -1,30 +1,32 @@
 #include "orasp/io/graphviz.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <memory>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
-#include <system_error>
+#include <sstream>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/detail/dot_text.h"
+#include "orasp/io/program.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
 namespace {
 
+using detail::dot_string;
+using detail::short_number;
+
 // ------------------------------------------------------------------------------------------------
 // H as a text
+
+constexpr const char* kFonts = "Helvetica,Arial,sans-serif";
 
 /// How much a drawing names; the larger H, the less.
 enum class Detail {
@@ -33,40 +35,15 @@ enum class Detail {
   Shape,  ///< points and lines
 };
 
-Detail detail_for(std::uint64_t states) {
+Detail detail_for(std::uint64_t states, const StateGraphStyle& style) {
   if (states <= 40) return Detail::Everything;
-  return states <= 250 ? Detail::States : Detail::Shape;
-}
-
-/// A string of the DOT language, quotes and all. Line breaks are part of labels ("\n"), so they are
-/// made here.
-std::string dot_string(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '\n') {
-      result += "\\n";
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      result += '?';  // not allowed in XML, which SVG is
-    } else {
-      if (c == '"' || c == '\\') result += '\\';
-      result += c;
-    }
-  }
-  return result + '"';
-}
-
-/// At most four decimals, no trailing zeros.
-std::string short_number(double number) {
-  std::string text = fmt::format("{:.4f}", number);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
+  return states <= 250 && !style.compact ? Detail::States : Detail::Shape;
 }
 
 class StateNames {
  public:
-  StateNames(const Problem& problem, Detail detail)
-      : problem_(problem), line_width_(detail == Detail::Everything ? 24 : 11) {}
+  StateNames(const Problem& problem, Detail detail, bool compact)
+      : problem_(problem), line_width_(detail == Detail::Everything && !compact ? 24 : 11) {}
 
   /// The connections present, a few a line; empty set: the sign for it.
   [[nodiscard]] std::string full(SetView open) const {
@@ -124,6 +101,37 @@ Path path_of(const StateGraph& graph, std::span<const ConnectionIndex> connectio
   return path;
 }
 
+constexpr const char* kPrunedState =
+    R"(, style="rounded,dashed", color="#d0d7de", fontcolor="#afb8c1")";
+constexpr const char* kPrunedAction = R"(, style=dashed, color="#d0d7de", fontcolor="#c8d1da")";
+
+/// Which states and actions of a larger graph this one holds.
+class Remaining {
+ public:
+  explicit Remaining(const StateGraph& graph) : graph_(graph) {
+    for (StateId s = 0; s < graph.num_states(); ++s) {
+      const SetView open = graph.state(s);
+      numbers_.emplace(std::vector<std::uint64_t>(open.begin(), open.end()), s);
+    }
+  }
+  [[nodiscard]] std::optional<StateId> state(SetView open) const {
+    const auto found = numbers_.find(std::vector<std::uint64_t>(open.begin(), open.end()));
+    return found == numbers_.end() ? std::nullopt : std::optional(found->second);
+  }
+  [[nodiscard]] bool action(SetView open, ConnectionIndex connection) const {
+    const std::optional<StateId> s = state(open);
+    if (!s) return false;
+    for (ActionId a = graph_.begin(*s); a < graph_.end(*s); ++a) {
+      if (graph_.connection(a) == connection) return true;
+    }
+    return false;
+  }
+
+ private:
+  const StateGraph& graph_;
+  std::map<std::vector<std::uint64_t>, StateId> numbers_;
+};
+
 /// A place for each state of a large H, in points: one row a layer, evenly spaced, rows centred,
 /// ordered so that neighbours are near each other. Graphviz's own layout of thousands of states
 /// takes minutes, this takes milliseconds. Reference. The barycentre heuristic: Sugiyama, Tagawa
@@ -158,6 +166,11 @@ class LayeredLayout {
       for (const StateId s : rows[k]) y_[s] = -gap * static_cast<double>(k);
     }
   }
+  /// How many times wider than a page.
+  [[nodiscard]] double pages() const {
+    constexpr double kPage = 700;
+    return std::max(1.0, (*std::ranges::max_element(x_) - *std::ranges::min_element(x_)) / kPage);
+  }
   [[nodiscard]] double x(StateId state) const { return x_[state]; }
   [[nodiscard]] double y(StateId state) const { return y_[state]; }
 
@@ -186,91 +199,59 @@ class LayeredLayout {
   std::vector<double> y_;
 };
 
-std::string header(Detail detail) {
-  std::string text =
-      "digraph H {\n"
-      "  graph [rankdir=TB, bgcolor=white, margin=0.2, outputorder=edgesfirst";
-  text += detail == Detail::Everything ? ", nodesep=0.45, ranksep=0.75"
-          : detail == Detail::States   ? ", nodesep=0.2, ranksep=1.1"
-                                       : ", layout=nop2";
+constexpr std::size_t kMostNamedParts = 60;
+
+/// The parts' positions as seen from the side and a little above, in points; nothing where one is missing or two would
+/// be drawn on top of each other. The nearest two stand 54 points apart.
+std::optional<std::vector<Place>> stated_places(const Problem& problem) {
+  constexpr std::size_t kMost = 500;  // every pair is looked at
+  if (problem.num_parts() < 2 || problem.num_parts() > kMost) return std::nullopt;
+  std::vector<Place> places;
+  for (const Part& part : problem.parts()) {
+    if (!part.position) return std::nullopt;
+    const auto& [x, y, z] = *part.position;
+    places.push_back({x + 0.45 * z, y + 0.3 * z});
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  double farthest = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double distance = std::hypot(places[i].x - places[j].x, places[i].y - places[j].y);
+      nearest = std::min(nearest, distance);
+      farthest = std::max(farthest, distance);
+    }
+  }
+  if (!(nearest > farthest / 60)) return std::nullopt;
+  for (Place& place : places) {
+    place.x *= 54 / nearest;
+    place.y *= 54 / nearest;
+  }
+  return places;
+}
+
+std::string header(Detail detail, const StateGraphStyle& style) {
+  std::string text = fmt::format(
+      "digraph H {{\n"
+      "  graph [rankdir=TB, bgcolor=white, margin={}, outputorder=edgesfirst",
+      style.compact ? 0.05 : 0.2);
+  text += detail == Detail::Shape    ? ", layout=nop2"
+          : style.compact            ? ", nodesep=0.25, ranksep=0.5"
+          : detail == Detail::States ? ", nodesep=0.2, ranksep=1.1"
+                                     : ", nodesep=0.45, ranksep=0.75";
   text += "]\n";
   text += detail == Detail::Shape
               ? "  node [shape=circle, label=\"\", width=0.1, fixedsize=true, style=filled, "
                 "color=\"#57606a\", fillcolor=\"#8c959f\"]\n"
                 "  edge [color=\"#8c959f60\", arrowhead=none, penwidth=0.5]\n"
-              : "  node [shape=box, style=\"rounded,filled\", color=\"#8c959f\", "
-                "fillcolor=\"#f6f8fa\", fontname=\"Helvetica\", fontsize=12, margin=\"0.12,0.06\", "
-                "height=0.3]\n"
-                "  edge [color=\"#8c959f\", fontcolor=\"#57606a\", fontname=\"Helvetica\", "
-                "fontsize=10, arrowsize=0.7]\n";
+              : fmt::format(
+                    "  node [shape=box, style=\"rounded,filled\", color=\"#8c959f\", "
+                    "fillcolor=\"#f6f8fa\", fontname=\"{}\", fontsize=12, margin=\"{}\", "
+                    "height={}]\n"
+                    "  edge [color=\"#8c959f\", fontcolor=\"#57606a\", fontname=\"{}\", "
+                    "fontsize=10, arrowsize={}]\n",
+                    kFonts, style.compact ? "0.06,0.03" : "0.12,0.06", style.compact ? 0.2 : 0.3,
+                    kFonts, style.compact ? 0.5 : 0.7);
   return text;
-}
-
-// ------------------------------------------------------------------------------------------------
-// Running dot
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
-[[noreturn]] void fail(std::string_view what, int error) {
-  throw InputError(
-      fmt::format("cannot draw: {}: {}", what, std::generic_category().message(error)));
-}
-
-/// A file without a name, gone when it is closed. Files, not pipes: no reader and writer that wait
-/// for each other, and no signal if `dot` stops reading.
-File scratch_file() {
-  File file(std::tmpfile());
-  if (!file) fail("no temporary file", errno);
-  fcntl(fileno(file.get()), F_SETFD, FD_CLOEXEC);
-  return file;
-}
-
-std::string contents(std::FILE* file) {
-  std::string text;
-  std::rewind(file);
-  char piece[1 << 16];
-  while (const std::size_t length = std::fread(piece, 1, sizeof piece, file))
-    text.append(piece, length);
-  return text;
-}
-
-/// Starts `dot -Tsvg` with the three files as its standard streams. @returns 0 or the error.
-int spawn_dot(std::FILE* input, std::FILE* output, std::FILE* errors, pid_t& process) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, fileno(input), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(output), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(errors), STDERR_FILENO);
-
-  // The caller may have blocked or ignored signals; the child gets the usual ones.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t signals;
-  sigemptyset(&signals);
-  posix_spawnattr_setsigmask(&attributes, &signals);
-  sigaddset(&signals, SIGPIPE);
-  posix_spawnattr_setsigdefault(&attributes, &signals);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-
-  char name[] = "dot";
-  char option[] = "-Tsvg";
-  char* const arguments[] = {name, option, nullptr};
-  const int error = posix_spawnp(&process, name, &actions, &attributes, arguments, environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
-}
-
-/// @returns the status of waitpid.
-int wait_for(pid_t process) {
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0) {
-    if (errno != EINTR) fail("waiting for dot", errno);
-  }
-  return status;
 }
 
 }  // namespace
@@ -285,97 +266,123 @@ void require_drawable(const StateGraph& graph) {
 }
 
 std::string state_graph_dot(const StateGraph& graph,
-                            std::span<const ConnectionIndex> highlighted_path) {
-  if (graph.num_states() > kMaxDotStates) {
+                            std::span<const ConnectionIndex> highlighted_path,
+                            const StateGraphStyle& style) {
+  const StateGraph& drawn = style.whole != nullptr ? *style.whole : graph;
+  if (drawn.num_states() > kMaxDotStates) {
     throw InputError(
         fmt::format("H has {} states, and its text in the DOT language is written up to {}",
-                    graph.num_states(), kMaxDotStates));
+                    drawn.num_states(), kMaxDotStates));
   }
-  const Problem& problem = graph.system().problem();
-  const Path path = path_of(graph, highlighted_path);
-  const Detail detail = detail_for(graph.num_states());
-  const StateNames names(problem, detail);
-  const std::optional<StateId> goal = graph.goal();
+  const Problem& problem = drawn.system().problem();
+  const Path path = path_of(drawn, highlighted_path);
+  const Detail detail = detail_for(drawn.num_states(), style);
+  const StateNames names(problem, detail, style.compact);
+  const std::optional<StateId> goal = drawn.goal();
+  std::optional<Remaining> remaining;
+  if (style.whole != nullptr) remaining.emplace(graph);
 
   std::optional<LayeredLayout> layout;
-  if (detail == Detail::Shape) layout.emplace(graph);
+  if (detail == Detail::Shape) layout.emplace(drawn);
 
-  std::string text = header(detail);
-  for (StateId s = 0; s < graph.num_states(); ++s) {
-    const SetView open = graph.state(s);
-    const bool dead_end = graph.begin(s) == graph.end(s) && s != goal;
+  // The path must be seen when the picture is made as small as a page.
+  const double thick = layout && style.compact ? layout->pages() : 1;
+
+  std::string text = header(detail, style);
+  for (StateId s = 0; s < drawn.num_states(); ++s) {
+    const SetView open = drawn.state(s);
+    const bool dead_end = drawn.begin(s) == drawn.end(s) && s != goal;
     text += fmt::format("  s{} [", s);
     if (detail != Detail::Shape) text += fmt::format("label={}, ", dot_string(names.brief(open)));
     if (layout) text += fmt::format("pos=\"{:.1f},{:.1f}\", ", layout->x(s), layout->y(s));
     text += fmt::format("tooltip={}", dot_string(names.full(open)));
     if (path.states.contains(s)) text += R"(, color="#1a7f37", fillcolor="#dafbe1", penwidth=2)";
     if (path.states.contains(s) && detail == Detail::Shape)
-      text += R"(, fillcolor="#1a7f37", width=0.2)";
+      text += fmt::format(R"(, fillcolor="#1a7f37", width={:.2f})", 0.2 * std::min(thick, 3.0));
     if (dead_end) text += R"(, color="#cf222e", fillcolor="#ffebe9")";
+    if (remaining && !remaining->state(open)) text += kPrunedState;
     text += "]\n";
   }
-  for (StateId s = 0; s < graph.num_states(); ++s) {
-    for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
-      const std::string label = fmt::format(" {}  {} ", problem.connection_id(graph.connection(a)),
-                                            short_number(graph.reward(a)));
-      text += fmt::format("  s{} -> s{} [{}={}", s, graph.successor(a),
+  for (StateId s = 0; s < drawn.num_states(); ++s) {
+    for (ActionId a = drawn.begin(s); a < drawn.end(s); ++a) {
+      const ConnectionIndex connection = drawn.connection(a);
+      std::string label = short_number(drawn.reward(a));
+      if (!style.compact || detail != Detail::Everything)
+        label = fmt::format(" {}  {} ", problem.connection_id(connection), label);
+      text += fmt::format("  s{} -> s{} [{}={}", s, drawn.successor(a),
                           detail == Detail::Everything ? "label" : "tooltip", dot_string(label));
-      if (path.actions.contains(a))
+      if (path.actions.contains(a)) {
         text += fmt::format(R"(, color="#1a7f37", fontcolor="#1a7f37", penwidth={})",
-                            detail == Detail::Shape ? 2 : 2.4);
+                            detail == Detail::Shape ? 2 * thick : 2.4);
+      } else if (remaining && !remaining->action(drawn.state(s), connection)) {
+        text += kPrunedAction;
+      } else if (!style.colours.empty()) {
+        text += fmt::format(R"(, color="{0}", fontcolor="{0}", penwidth=1.4)",
+                            style.colours[connection % style.colours.size()]);
+      }
       text += "]\n";
     }
   }
   return text + "}\n";
 }
 
-std::string assembly_dot(const Problem& problem) {
-  std::string text =
-      "graph G {\n"
-      "  graph [bgcolor=white, margin=0.2, layout=neato, overlap=false, splines=true]\n"
-      "  node [shape=circle, style=filled, color=\"#57606a\", fillcolor=\"#ddf4ff\", "
-      "fontname=\"Helvetica\", "
-      "fontsize=12, margin=0.04]\n"
-      "  edge [color=\"#57606a\", fontcolor=\"#57606a\", fontname=\"Helvetica\", fontsize=9, "
-      "penwidth=1.4]\n";
-  for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+std::string assembly_dot(const Problem& problem, const AssemblyStyle& style) {
+  const std::size_t parts = problem.num_parts();
+  std::vector<Place> places(style.places.begin(), style.places.end());
+  if (places.size() != parts) places = stated_places(problem).value_or(std::vector<Place>());
+  const bool placed = !places.empty();
+  const bool named = parts <= kMostNamedParts;
+  // Lines that bend around circles take half a minute for 256 connections, straight ones nothing.
+  std::string text = fmt::format(
+      "graph G {{\n"
+      "  graph [bgcolor=white, margin=0.05, {}, splines={}{}{}]\n"
+      "  node [shape=circle, style=filled, color=\"#57606a\", fillcolor=\"#eaf3fb\", "
+      "fontname=\"{}\", fontsize={}, margin=0.02, {}]\n"
+      "  edge [color=\"#57606a\", penwidth={}]\n",
+      placed  ? "layout=nop"
+      : named ? "layout=neato, overlap=false"
+              : "layout=sfdp, overlap=prism",
+      named ? "true" : "line", style.start.empty() ? "" : ", start=", style.start, kFonts,
+      named ? 12 : 8, named ? "width=0.3" : "width=0.12, fixedsize=true",
+      style.colours.empty() ? 1.2 : 2.4);
+  for (PartIndex part = 0; part < parts; ++part) {
     const Part& spec = problem.parts()[part];
-    text += fmt::format("  p{} [label={}, tooltip={}]\n", part, dot_string(spec.id),
+    text += fmt::format("  p{} [label={}, tooltip={}", part, named ? dot_string(spec.id) : "\"\"",
                         dot_string(spec.name.empty() ? spec.id : spec.name));
+    if (placed) text += fmt::format(", pos=\"{:.1f},{:.1f}\"", places[part].x, places[part].y);
+    text += "]\n";
   }
   for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
     const auto& [first, second] = problem.ends(c);
-    text += fmt::format("  p{} -- p{} [tooltip={}]\n", first, second,
+    text += fmt::format("  p{} -- p{} [tooltip={}", first, second,
                         dot_string(problem.connection_id(c)));
+    if (!style.colours.empty())
+      text += fmt::format(", color=\"{}\"", style.colours[c % style.colours.size()]);
+    text += "]\n";
   }
   return text + "}\n";
 }
 
-std::string svg_text(std::string_view dot) {
-  const File input = scratch_file();
-  const File output = scratch_file();
-  const File errors = scratch_file();
-  if (std::fwrite(dot.data(), 1, dot.size(), input.get()) != dot.size() ||
-      std::fflush(input.get()) != 0)
-    fail("no room for a temporary file", errno);
-  std::rewind(input.get());
-
-  pid_t process = 0;
-  const int error = spawn_dot(input.get(), output.get(), errors.get(), process);
-  if (error == ENOENT)
-    throw InputError(
-        "cannot draw: the program dot is missing; it is in the Debian package graphviz");
-  if (error != 0) fail("dot does not start", error);
-  const int status = wait_for(process);
-  if (WIFSIGNALED(status))
-    throw InputError(fmt::format("cannot draw: dot was ended by signal {}", WTERMSIG(status)));
-  if (WEXITSTATUS(status) != 0) {
-    std::string message = contents(errors.get());
-    message.erase(std::min(message.find('\n'), message.size()));
-    throw InputError(fmt::format("cannot draw: dot failed with exit code {}{}{}",
-                                 WEXITSTATUS(status), message.empty() ? "" : ": ", message));
+std::vector<Place> places_of(std::string_view dot, std::size_t nodes) {
+  const std::vector<std::string> arguments = {"-Tplain"};
+  std::istringstream lines(drawn_by("dot", "graphviz", arguments, dot));
+  std::vector<Place> places(nodes);
+  constexpr double kPointsInAnInch = 72;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    char letter = 0;
+    std::size_t node = 0;
+    Place place;
+    if (words >> kind >> letter >> node >> place.x >> place.y && kind == "node" && node < nodes)
+      places[node] = {place.x * kPointsInAnInch, place.y * kPointsInAnInch};
   }
-  return contents(output.get());
+  return places;
+}
+
+std::string svg_text(std::string_view dot) {
+  const std::vector<std::string> arguments = {"-Tsvg"};
+  return drawn_by("dot", "graphviz", arguments, dot);
 }
 
 void write_svg(std::string_view dot, const std::filesystem::path& file) {

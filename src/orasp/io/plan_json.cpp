@@ -95,6 +95,17 @@ std::string exact_integer(const std::string& digits) {
   return fits ? digits : inline_text(digits);
 }
 
+std::string most_likely_text(const Expectation& expectation,
+                             const std::vector<std::string>& connection_ids) {
+  std::string attempts;
+  for (const auto& [connection, succeeds] : expectation.most_likely) {
+    attempts += attempts.empty() ? "" : ", ";
+    attempts += fmt::format(R"({{"connection": {}, "succeeds": {}}})", connection_ids[connection], succeeds);
+  }
+  return fmt::format(R"({{"probability": {}, "attempts": [{}]}})",
+                     inline_text(number_or_null(expectation.probability)), attempts);
+}
+
 std::string alternatives_text(const std::vector<Alternative>& plans, bool is_assembly,
                               const std::vector<std::string>& connection_ids) {
   if (plans.empty()) return "[]";
@@ -216,16 +227,26 @@ std::vector<std::string> read_lines(std::string_view text) {
 std::string plan_text(const Problem& problem, const Result& result,
                       const std::map<std::string, std::string>& options,
                       const Alternatives* alternatives) {
+  return plan_text(TransitionSystem(problem), result, options, alternatives, {});
+}
+
+std::string plan_text(const TransitionSystem& system, const Result& result,
+                      const std::map<std::string, std::string>& options,
+                      const Alternatives* alternatives,
+                      const std::map<std::string, std::string>& more) {
+  const Problem& problem = system.problem();
   const std::vector<std::string> part_ids = quoted_ids(problem.parts());
   const std::vector<std::string> connection_ids = quoted_ids(problem.connections());
   Evaluation evaluation;
   if (result.has_plan())
-    evaluation = evaluate(problem, std::span<const ConnectionIndex>(result.sequence));
+    evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
 
   // A bound and a reward are sums of the same numbers in another order: what rounding did to them
   // is not a gap.
-  const double reward =
-      result.has_plan() ? evaluation.reward : -std::numeric_limits<double>::infinity();
+  // Where attempts may fail, the reward is an expectation, which no replay gives.
+  const double reward = !result.has_plan()    ? -std::numeric_limits<double>::infinity()
+                        : result.expectation ? result.reward
+                                             : evaluation.reward;
   std::optional<double> bound = result.bound;
   if (result.status == Status::Optimal) bound = reward;
   if (bound) bound = std::max(*bound, reward);
@@ -249,11 +270,21 @@ std::string plan_text(const Problem& problem, const Result& result,
   put("reward", inline_text(number_or_null(reward)));
   put("bound", inline_text(bound ? number_or_null(*bound) : nullptr));
   put("gap", inline_text(has_gap ? number_or_null(*bound - reward) : nullptr));
+  if (result.expectation && result.has_plan()) {
+    put("expected", inline_text({{"reward", number_or_null(reward)},
+                                 {"attempts", number_or_null(result.expectation->attempts)},
+                                 {"residual", number_or_null(result.expectation->residual)},
+                                 {"error", number_or_null(result.expectation->error)}}));
+    put("most_likely", most_likely_text(*result.expectation, connection_ids));
+  }
   put("disassembly", is_assembly ? backward : forward);
   put("assembly", is_assembly ? forward : backward);
   put("steps", steps_text(evaluation.steps, part_ids, connection_ids));
-  put("order",
-      order_text(result.has_plan() ? plan_order(problem, sequence) : std::vector<OrderedPair>()));
+  if (system.whole()) {
+    put("order",
+        order_text(result.has_plan() ? plan_order(problem, sequence) : std::vector<OrderedPair>()));
+  }
+  for (const auto& [name, value] : more) put(name, value);
   if (alternatives != nullptr) {
     if (alternatives->optimal_sequences)
       put("optimal_sequences", exact_integer(*alternatives->optimal_sequences));

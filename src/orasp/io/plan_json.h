@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "orasp/model/problem.h"
+#include "orasp/model/transition_system.h"
 #include "orasp/planners/alternatives.h"
 #include "orasp/planners/result.h"
 
@@ -18,6 +19,12 @@ namespace orasp {
 [[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
                                     const std::map<std::string, std::string>& options,
                                     const Alternatives* alternatives = nullptr);
+/// The same for what is left of the work: the steps still to come, and no `order` unless it is the whole. `more`: further
+/// members, name to JSON text.
+[[nodiscard]] std::string plan_text(const TransitionSystem& system, const Result& result,
+                                    const std::map<std::string, std::string>& options,
+                                    const Alternatives* alternatives,
+                                    const std::map<std::string, std::string>& more);
 
 /// A plan as read: the ids in the order of the problem's direction.
 struct PlanFile {

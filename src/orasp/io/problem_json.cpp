@@ -188,9 +188,31 @@ Part read_part(JsonValue value, const Place& place) {
   return part;
 }
 
+OnFailure read_on_failure(JsonValue value, const Place& place) {
+  constexpr auto kKeys = std::to_array<std::string_view>({"breaks", "abort"});
+  if (value.is(JsonKind::String)) {
+    if (value.string() == "retry") return {};
+    fail(place, in_quotes(value.string()) +
+                    R"( is not what a failure does; that is "retry", {"breaks": [...]} or )"
+                    R"({"abort": reward})");
+  }
+  if (!value.is(JsonKind::Object))
+    fail_type(place, value, R"("retry", {"breaks": [...]} or {"abort": reward})");
+  const Members members(value, place, kKeys);
+  const auto breaks = members.find("breaks");
+  OnFailure failure;
+  members.read("breaks", failure.breaks, read_ids);
+  members.read("abort", failure.abort, read_number);
+  if (!breaks && !failure.abort)
+    fail(place, R"("breaks" or "abort" is missing, one of them is needed)");
+  if (breaks && failure.breaks.empty())
+    fail(Place(place, "breaks"), "an empty list breaks nothing; write \"retry\"");
+  return failure;
+}
+
 Connection read_connection(JsonValue value, const Place& place) {
   constexpr auto kKeys =
-      std::to_array<std::string_view>({"id", "parts", "duration", "success", "axis"});
+      std::to_array<std::string_view>({"id", "parts", "duration", "success", "axis", "on_failure"});
   const Members members(value, place, kKeys);
   Connection connection;
   members.read("id", connection.id, read_id);
@@ -204,6 +226,7 @@ Connection read_connection(JsonValue value, const Place& place) {
   members.read("duration", connection.duration, read_number);
   members.read("success", connection.success, read_number);
   members.read("axis", connection.axis, read_string);
+  members.read("on_failure", connection.on_failure, read_on_failure);
   return connection;
 }
 
@@ -518,6 +541,11 @@ ordered_json part_json(const Part& part) {
   return json;
 }
 
+ordered_json on_failure_json(const OnFailure& failure) {
+  if (failure.abort) return {{"abort", *failure.abort + 0.0}};
+  return {{"breaks", failure.breaks}};
+}
+
 ordered_json connection_json(const Connection& connection) {
   ordered_json json = ordered_json::object();
   if (connection.id != connection.parts[0] + "-" + connection.parts[1]) json["id"] = connection.id;
@@ -525,6 +553,7 @@ ordered_json connection_json(const Connection& connection) {
   if (connection.duration != Connection{}.duration) json["duration"] = connection.duration + 0.0;
   if (connection.success != Connection{}.success) json["success"] = connection.success;
   if (!connection.axis.empty()) json["axis"] = connection.axis;
+  if (!connection.on_failure.retries()) json["on_failure"] = on_failure_json(connection.on_failure);
   return json;
 }
 
@@ -627,9 +656,16 @@ std::string canonical_text(const Problem& problem) {
   ordered_json connections = ordered_json::array();
   for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
     const Connection& connection = problem.connections()[c];
-    connections.push_back(
-        {connection.id, problem.ends(c), connection.duration + 0.0, connection.success,
-         connection.axis.empty() ? ordered_json(nullptr) : ordered_json(connection.axis)});
+    ordered_json entry = {
+        connection.id, problem.ends(c), connection.duration + 0.0, connection.success,
+        connection.axis.empty() ? ordered_json(nullptr) : ordered_json(connection.axis)};
+    // Only where it is stated, so that problems without it keep their digests.
+    if (connection.on_failure.abort) {
+      entry.push_back(on_failure_json(connection.on_failure));
+    } else if (!problem.breaks(c).empty()) {
+      entry.push_back(ordered_json{{"breaks", problem.breaks(c)}});
+    }
+    connections.push_back(std::move(entry));
   }
   const auto& fleet = problem.spec().fleet;
   ordered_json json = ordered_json::object();
@@ -745,6 +781,10 @@ Objective parse_objective(std::string_view json, const std::string& place) {
   }();
   check_objective(objective, std::string(name));
   return objective;
+}
+
+std::string objective_text(const Objective& objective) {
+  return detail::inline_text(objective_json(objective, Defaults::LeftOut));
 }
 
 }  // namespace orasp

@@ -123,7 +123,7 @@ class Learner {
     path_.clear();
     double reward = 0;
     bool ended = false;
-    for (std::size_t open = system_.num_connections(); open > 0; --open) {
+    for (std::size_t open = system_.num_steps(); open > 0; --open) {
       const std::uint64_t before = result_.statistics.expanded;
       const std::uint32_t number = meet(state, open);
       if (value(number) == -kInfinity) {
@@ -182,7 +182,7 @@ Result q_learning(const TransitionSystem& system, const QLearningOptions& option
   if (auto result = detail::settled(system, "q-learning")) return *result;
   Result result;
   result.method = "q-learning";
-  if (system.num_connections() == 0) {
+  if (system.num_steps() == 0) {
     result.status = Status::Optimal;
     result.reward = 0;
     result.bound = 0;

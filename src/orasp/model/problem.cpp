@@ -110,17 +110,13 @@ Problem::Problem(ProblemSpec spec) : spec_(std::move(spec)) {
   require_utf8(spec_.source, "source");
   index_parts();
   index_connections();
+  index_breaks();
   index_precedence();
   index_blocking();
   check_limits();
   check_objective(spec_.objective, "objective");
   check_positions(spec_.objective, "objective");
   check_fleet();
-  if (spec_.fleet) {
-    warnings_.push_back(
-        "fleet: its " + std::to_string(spec_.fleet->robots) +
-        " robots are kept with the problem; the planners for one robot do not use them");
-  }
 }
 
 void Problem::index_parts() {
@@ -184,6 +180,34 @@ void Problem::index_connections() {
                           in_quotes(connection.parts[0]) +
                           " to itself; removing it separates nothing");
     }
+  }
+}
+
+void Problem::index_breaks() {
+  breaks_.resize(spec_.connections.size());
+  for (std::size_t i = 0; i < spec_.connections.size(); ++i) {
+    const OnFailure& failure = spec_.connections[i].on_failure;
+    if (failure.retries()) continue;
+    const std::string place = element("connections", i) + ".on_failure";
+    if (failure.abort && !failure.breaks.empty())
+      fail(place, "\"breaks\" and \"abort\" exclude each other: a job that ended breaks nothing");
+    if (failure.abort) {
+      require_finite(*failure.abort, place + ".abort");
+      continue;
+    }
+    if (spec_.direction == Direction::Assembly) {
+      fail(place + ".breaks",
+           "connections come off in disassembly only; in assembly a failure can \"retry\" or "
+           "\"abort\"");
+    }
+    for (std::size_t k = 0; k < failure.breaks.size(); ++k) {
+      const std::string entry = element(place + ".breaks", k);
+      const ConnectionIndex broken = find_connection(failure.breaks[k], entry);
+      if (std::ranges::find(breaks_[i], broken) != breaks_[i].end())
+        fail(entry, in_quotes(failure.breaks[k]) + " is listed twice");
+      breaks_[i].push_back(broken);
+    }
+    std::ranges::sort(breaks_[i]);
   }
 }
 
@@ -307,6 +331,13 @@ void Problem::check_fleet() const {
   check_point(fleet.depot, "fleet.depot");
   for (std::size_t i = 0; i < fleet.sites.size(); ++i)
     check_point(fleet.sites[i], element("fleet.sites", i));
+}
+
+std::optional<ConnectionIndex> Problem::first_uncertain() const {
+  const auto found = std::ranges::find_if(
+      spec_.connections, [](const Connection& connection) { return connection.success < 1; });
+  if (found == spec_.connections.end()) return std::nullopt;
+  return static_cast<ConnectionIndex>(found - spec_.connections.begin());
 }
 
 ConnectionIndex Problem::find_connection(const std::string& id, const std::string& place) const {

@@ -25,6 +25,14 @@ struct Part {
   std::optional<Vector3> position;  ///< m
 };
 
+/// What an attempt that fails does beyond costing its reward. Nothing stated: nothing, it is tried again.
+struct OnFailure {
+  std::vector<std::string> breaks;  ///< ids of connections that come off too; disassembly alone
+  std::optional<double> abort;      ///< the job ends, and the attempt earns this instead
+
+  [[nodiscard]] bool retries() const { return breaks.empty() && !abort; }
+};
+
 /// An edge of the assembly graph, as a problem file states it.
 struct Connection {
   std::string id;  ///< empty: the two part ids joined by '-'
@@ -33,6 +41,7 @@ struct Connection {
   double success = 1;   ///< probability that one attempt succeeds, above 0 and at most 1
   std::string
       axis;  ///< fleet problems: how the first part moves off the second, "+x" ... "-z"; else empty
+  OnFailure on_failure;  ///< of an attempt, where success is below 1
 };
 
 /// `connection` may be removed only after all of `after`, and at least one of `after_any` (if any
@@ -61,8 +70,8 @@ struct Limits {
   std::optional<double> max_moved_mass;  ///< kg
 };
 
-/// Robots, depot and sites of a fleet problem (section "integer program" of the reference). Kept,
-/// written and digested with the problem; the planners for one robot do not use it.
+/// Robots, depot and sites of a fleet problem (model/fleet.h). Kept, written and digested with the problem; the
+/// planners for one robot do not use it.
 struct Fleet {
   std::size_t robots = 1;
   std::array<double, 2> depot{};
@@ -140,6 +149,13 @@ class Problem {
   }
   /// The two parts that connection `c` joins (equal for a connection of a part to itself).
   [[nodiscard]] const std::array<PartIndex, 2>& ends(ConnectionIndex c) const { return ends_[c]; }
+  /// The connections that come off when an attempt at `c` fails, ascending; often none.
+  [[nodiscard]] const std::vector<ConnectionIndex>& breaks(ConnectionIndex c) const {
+    return breaks_[c];
+  }
+  /// The first connection at which an attempt may fail (success below 1); empty if there is none.
+  [[nodiscard]] std::optional<ConnectionIndex> first_uncertain() const;
+  [[nodiscard]] bool uncertain() const { return first_uncertain().has_value(); }
   /// @throws InputError `no connection "x"; connections are ...`, with `place` in front.
   [[nodiscard]] ConnectionIndex find_connection(const std::string& id,
                                                 const std::string& place) const;
@@ -151,8 +167,7 @@ class Problem {
   /// The directions that blocking considers; 0 where the problem has no blocking.
   [[nodiscard]] DirectionMask directions() const { return directions_; }
 
-  /// Things worth telling the user though nothing is wrong: a connection of a part to itself, a
-  /// fleet not used.
+  /// Things worth telling the user though nothing is wrong: a connection of a part to itself.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// The same problem under another objective, direction or limits. @throws InputError as the
@@ -164,6 +179,7 @@ class Problem {
  private:
   void index_parts();
   void index_connections();
+  void index_breaks();
   void index_precedence();
   void index_blocking();
   void check_limits() const;
@@ -174,6 +190,7 @@ class Problem {
   std::unordered_map<std::string, PartIndex> part_by_id_;
   std::unordered_map<std::string, ConnectionIndex> connection_by_id_;
   std::vector<std::array<PartIndex, 2>> ends_;
+  std::vector<std::vector<ConnectionIndex>> breaks_;
   std::vector<PrecedenceClause> precedence_;
   std::vector<std::vector<Blocker>> blockers_;
   DirectionMask directions_ = 0;

@@ -69,7 +69,8 @@ struct Expander::Scratch {
   std::vector<std::unique_ptr<Formula>> formulas;  ///< by term
   /// By term, for formulas of sizes alone: values met so far, NaN before; at ((moved + kept)^2 / 4 + moved) * 2 + completes.
   mutable std::vector<std::vector<double>> tables;
-  std::vector<std::uint64_t> present_words;  ///< assembly: complement of the open set
+  std::vector<std::uint64_t> present_words;  ///< where what is there differs from the open set
+  std::vector<std::uint64_t> present_batch;  ///< the same for several states
   detail::Connectivity connectivity;
   Side
       a;  ///< parts of A and B of the step at hand; set by whoever makes its Facts, if rules.needs_sides
@@ -81,6 +82,8 @@ struct Expander::Scratch {
   Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules);
 
   [[nodiscard]] SetView present(SetView open);
+  [[nodiscard]] std::span<const std::uint64_t> present_of_all(
+      std::span<const std::uint64_t> states);
   [[nodiscard]] Facts counts(ConnectionIndex c, std::size_t num_open) const;
   [[nodiscard]] Facts removal_facts(ConnectionIndex c, std::size_t num_open);
   [[nodiscard]] Facts joining_facts(ConnectionIndex c, std::size_t num_open);
@@ -98,7 +101,11 @@ struct Expander::Scratch {
   [[nodiscard]] double moving_reward(const Term& term, std::size_t index, const Facts& facts,
                                      const Movement& movement);
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
+  [[nodiscard]] std::span<const Action> in_order(SetView open, std::span<Action> legal) const;
   [[nodiscard]] Step full_step(const Facts& facts) const;
+  [[nodiscard]] bool constraints_met(SetView open, ConnectionIndex c);
+  [[nodiscard]] bool ruled_out_first(SetView open, ConnectionIndex c) const;
+  [[nodiscard]] std::optional<ConnectionIndex> waiting(SetView open, ConnectionIndex c);
 };
 
 Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules)
@@ -122,19 +129,33 @@ Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::R
 }
 
 SetView Expander::Scratch::present(SetView open) {
-  if (!rules.assembly) return open;
-  for (std::size_t w = 0; w < rules.words; ++w) present_words[w] = ~open[w];
+  if (!rules.assembly && rules.num_kept == 0) return open;
+  const SetView kept = rules.kept.view();
+  for (std::size_t w = 0; w < rules.words; ++w) present_words[w] = open[w] | kept[w];
+  if (!rules.assembly) return present_words;
+  for (std::uint64_t& word : present_words) word = ~word;
   const std::size_t tail = problem.num_connections() % 64;
   if (tail != 0) present_words.back() &= (std::uint64_t{1} << tail) - 1;
   if (problem.num_connections() == 0) present_words.back() = 0;
   return present_words;
 }
 
+// In disassembly.
+std::span<const std::uint64_t> Expander::Scratch::present_of_all(
+    std::span<const std::uint64_t> states) {
+  if (rules.num_kept == 0) return states;
+  const SetView kept = rules.kept.view();
+  present_batch.assign(states.begin(), states.end());
+  for (std::size_t i = 0; i < present_batch.size(); ++i) present_batch[i] |= kept[i % rules.words];
+  return present_batch;
+}
+
 [[gnu::always_inline]] inline Facts Expander::Scratch::counts(ConnectionIndex c,
                                                               std::size_t num_open) const {
   Facts facts;
   facts.connection = c;
-  facts.before = rules.assembly ? problem.num_connections() - num_open : num_open;
+  facts.before = num_open + rules.num_kept;
+  if (rules.assembly) facts.before = problem.num_connections() - facts.before;
   facts.after = rules.assembly ? facts.before + 1 : facts.before - 1;
   facts.completes = num_open == 1;
   return facts;
@@ -420,7 +441,7 @@ std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
       if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
       *next++ = {c, counting_reward(term, facts)};
     });
-    return {actions.data(), next};
+    return in_order(open, {actions.data(), next});
   }
   for_each_connection(open, [&](ConnectionIndex c) {
     if (!rules.precedence_met(open, c)) return;
@@ -428,7 +449,22 @@ std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
     if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
     *next++ = {c, reward(facts)};
   });
-  return {actions.data(), next};
+  return in_order(open, {actions.data(), next});
+}
+
+// Leaves out what cannot be next, and what is late while something else can be done.
+inline std::span<const Action> Expander::Scratch::in_order(SetView open,
+                                                           std::span<Action> legal) const {
+  if (!rules.ordered) return legal;
+  const auto is_late = [&](const Action& action) { return rules.late.contains(action.connection); };
+  auto end = legal.end();
+  if (std::ranges::equal(open, rules.start.view())) {
+    end = std::remove_if(legal.begin(), end, [&](const Action& action) {
+      return rules.not_next.contains(action.connection);
+    });
+  }
+  if (!std::all_of(legal.begin(), end, is_late)) end = std::remove_if(legal.begin(), end, is_late);
+  return {legal.begin(), end};
 }
 
 Step Expander::Scratch::full_step(const Facts& facts) const {
@@ -467,7 +503,7 @@ std::span<const Action> Expander::legal_actions(SetView open) {
 void Expander::load(std::span<const std::uint64_t> states) {
   static_assert(kBatch == detail::Connectivity::kLanes);
   Scratch& s = *scratch_;
-  if (s.connectivity.takes_batches()) s.connectivity.analyse_batch(states);
+  if (s.connectivity.takes_batches()) s.connectivity.analyse_batch(s.present_of_all(states));
 }
 
 std::span<const Action> Expander::loaded_actions(std::span<const std::uint64_t> states,
@@ -487,12 +523,41 @@ Step Expander::step(SetView open, ConnectionIndex connection) {
   return step;
 }
 
+double Expander::completing_reward(SetView open, ConnectionIndex connection) {
+  Facts facts = scratch_->flooded_facts(open, connection);
+  facts.completes = true;
+  return scratch_->reward(facts);
+}
+
 bool Expander::legal(SetView open, ConnectionIndex connection) {
   Scratch& s = *scratch_;
-  if (!contains(open, connection) || !s.rules.precedence_met(open, connection)) return false;
-  if (!s.rules.cuts_checked) return true;
-  const Facts facts = s.flooded_facts(open, connection);
-  return !facts.separates || s.separation_legal(facts);
+  return contains(open, connection) && s.constraints_met(open, connection) &&
+         (!s.rules.ordered ||
+          (!s.ruled_out_first(open, connection) && !s.waiting(open, connection)));
+}
+
+// The problem's own constraints.
+bool Expander::Scratch::constraints_met(SetView open, ConnectionIndex c) {
+  if (!rules.precedence_met(open, c)) return false;
+  if (!rules.cuts_checked) return true;
+  const Facts facts = flooded_facts(open, c);
+  return !facts.separates || separation_legal(facts);
+}
+
+bool Expander::Scratch::ruled_out_first(SetView open, ConnectionIndex c) const {
+  return rules.not_next.contains(c) && std::ranges::equal(open, rules.start.view());
+}
+
+// For a late connection, the first of the others that can be handled now.
+std::optional<ConnectionIndex> Expander::Scratch::waiting(SetView open, ConnectionIndex c) {
+  if (!rules.late.contains(c)) return std::nullopt;
+  std::optional<ConnectionIndex> other;
+  for_each_connection(open, [&](ConnectionIndex candidate) {
+    if (!other && !rules.late.contains(candidate) && !ruled_out_first(open, candidate) &&
+        constraints_met(open, candidate))
+      other = candidate;
+  });
+  return other;
 }
 
 std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connection) {
@@ -501,6 +566,10 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
   const TransitionSystem::Rules& rules = s.rules;
   const std::string id = detail::in_quotes(problem.connection_id(connection));
   std::vector<Violation> found;
+  if (rules.kept.contains(connection)) {
+    found.push_back({Constraint::Inaccessible, "", id + " is inaccessible", {}});
+    return found;
+  }
   if (!contains(open, connection)) {
     found.push_back({Constraint::NotOpen,
                      "",
@@ -509,7 +578,8 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
     return found;
   }
   const auto stands_in_the_way = [&](ConnectionIndex other) {
-    return other == connection || (rules.assembly ? !contains(open, other) : contains(open, other));
+    const bool missing_or_there = contains(open, other) || rules.kept.contains(other);
+    return other == connection || missing_or_there != rules.assembly;
   };
   const auto names = [&](const std::vector<ConnectionIndex>& list) {
     std::string text;
@@ -538,6 +608,15 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
                            : id + " may be removed only after at least one of " + names(any),
                        any});
     }
+  }
+  if (s.ruled_out_first(open, connection))
+    found.push_back({Constraint::NotNext, "", id + " cannot be the next step", {}});
+  if (const auto other = s.waiting(open, connection)) {
+    found.push_back({Constraint::Late,
+                     "",
+                     id + " waits for a late part while " +
+                         detail::in_quotes(problem.connection_id(*other)) + " can be handled",
+                     {*other}});
   }
   const Facts facts = s.flooded_facts(open, connection);
   if (!facts.separates) return found;
@@ -583,6 +662,18 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
                      {}});
   }
   return found;
+}
+
+DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection) {
+  Scratch& s = *scratch_;
+  if (s.problem.directions() == 0 || !s.flooded_facts(open, connection).separates) return 0;
+  const DirectionMask free = s.free_directions();  // of the smaller side
+  if (s.a.parts() <= s.b.parts()) return free;
+  DirectionMask of_a = 0;
+  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
+    if ((free >> d & 1U) != 0) of_a = static_cast<DirectionMask>(of_a | 1U << opposite(d));
+  }
+  return of_a;
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -702,7 +793,11 @@ double Expander::completion_surplus(ConnectionIndex connection) {
   const auto& ends = s.problem.ends(connection);
   Facts facts = s.counts(connection, 1);
   facts.separates = ends[0] != ends[1];
-  if (facts.separates) {
+  if (s.rules.num_kept > 0) {
+    ConnectionSet alone(system_.num_connections());
+    alone.insert(connection);
+    facts = s.flooded_facts(alone.view(), connection);
+  } else if (facts.separates) {
     facts.a_parts = facts.b_parts = 1;
     facts.subassemblies_joined = 1;
     s.a = {{std::span(ends).first(1), {}}};
@@ -716,8 +811,36 @@ double Expander::completion_surplus(ConnectionIndex connection) {
 // ---------------------------------------------------------------------------------------------------------------------
 
 TransitionSystem::TransitionSystem(const Problem& problem)
-    : problem_(problem), rules_(std::make_unique<const Rules>(problem)) {}
+    : TransitionSystem(problem, Situation::whole(problem.num_connections())) {}
+TransitionSystem::TransitionSystem(const Problem& problem, const Situation& situation)
+    : problem_(problem),
+      rules_(std::make_unique<const Rules>(problem, situation)),
+      num_steps_(rules_->start.size()) {}
 TransitionSystem::~TransitionSystem() = default;
+
+const ConnectionSet& TransitionSystem::start() const {
+  return rules_->start;
+}
+
+bool TransitionSystem::whole() const {
+  return rules_->whole;
+}
+
+bool TransitionSystem::ordered() const {
+  return rules_->ordered;
+}
+
+const ConnectionSet& TransitionSystem::kept() const {
+  return rules_->kept;
+}
+
+ConnectionSet TransitionSystem::present(SetView open) const {
+  ConnectionSet there(num_connections());
+  for (ConnectionIndex c = 0; c < num_connections(); ++c) {
+    if ((contains(open, c) || kept().contains(c)) != rules_->assembly) there.insert(c);
+  }
+  return there;
+}
 
 std::size_t TransitionSystem::subassemblies(SetView present) const {
   std::size_t pieces = 0;
@@ -727,22 +850,39 @@ std::size_t TransitionSystem::subassemblies(SetView present) const {
   return pieces;
 }
 
+// Precedence holds `connection` until `other` is gone, which stays.
+Violation TransitionSystem::waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
+                                          std::size_t entry) const {
+  const std::string id = detail::in_quotes(problem_.connection_id(connection));
+  const std::string other_id = detail::in_quotes(problem_.connection_id(other));
+  return {Constraint::Precedence,
+          "precedence[" + std::to_string(entry) + "]",
+          rules_->assembly ? id + " must be made before " + other_id + ", which is made already"
+                           : id + " waits for " + other_id + ", which is inaccessible",
+          {other}};
+}
+
 std::optional<Violation> TransitionSystem::infeasibility() const {
   const Rules& rules = *rules_;
-  const std::size_t start_pieces = subassemblies(start().view());
-  if (num_connections() > 0 && start_pieces > rules.max_subassemblies) {
+  // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and what it ends with.
+  const ConnectionSet none(num_connections());
+  const ConnectionSet first = present(rules.assembly ? none.view() : start().view());
+  const ConnectionSet last = present(rules.assembly ? start().view() : none.view());
+  const std::size_t start_pieces = subassemblies(first.view());
+  if (num_steps() > 0 && start_pieces > rules.max_subassemblies) {
     return Violation{Constraint::MaxSubassemblies,
                      "limits.max_subassemblies",
-                     "the whole product is " + std::to_string(start_pieces) +
-                         " subassemblies; at most " + std::to_string(rules.max_subassemblies) +
-                         " are allowed",
+                     (rules.whole ? "the whole product is " : "the product as it stands is ") +
+                         std::to_string(start_pieces) + " subassemblies; at most " +
+                         std::to_string(rules.max_subassemblies) + " are allowed",
                      {}};
   }
   // Precedence alone, in disassembly order: remove whatever may go until nothing more may. The
-  // clauses are monotone, so if connections stay, each of them waits for another that stays, and
-  // following these ends in a cycle. Every clause is looked at again only when a connection that it
-  // names goes.
-  std::vector<bool> stays(num_connections(), true);
+  // clauses are monotone, so if connections are left, each of them waits for another that stays, and
+  // following these ends in a cycle, or at one that is kept. Every clause is looked at again only
+  // when a connection that it names goes.
+  std::vector<bool> stays(num_connections());
+  for (ConnectionIndex c = 0; c < num_connections(); ++c) stays[c] = first.contains(c);
   std::vector<std::vector<ConnectionIndex>> waiting(num_connections());
   for (const PrecedenceClause& clause : problem_.precedence()) {
     for (const ConnectionIndex c : clause.after) waiting[c].push_back(clause.connection);
@@ -768,22 +908,24 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
   };
   std::vector<ConnectionIndex> check(num_connections());
   std::iota(check.begin(), check.end(), ConnectionIndex{0});
-  std::size_t left = num_connections();
+  std::size_t left = num_steps();
   while (!check.empty()) {
     const ConnectionIndex c = check.back();
     check.pop_back();
-    if (!stays[c] || waits_for(c)) continue;
+    if (!stays[c] || last.contains(c) || waits_for(c)) continue;
     stays[c] = false;
     --left;
     check.insert(check.end(), waiting[c].begin(), waiting[c].end());
   }
   if (left == 0) return std::nullopt;
-  // Walk from the first that stays until a connection comes up again: from there on it is the
-  // cycle.
+  // Walk from the first that is left until a connection comes up again: from there on it is the
+  // cycle. Or until one that is kept comes up.
   std::vector<std::size_t> met(num_connections(), kUnlimited);
   std::vector<std::pair<ConnectionIndex, std::size_t>> path;
-  auto c = static_cast<ConnectionIndex>(std::ranges::find(stays, true) - stays.begin());
+  ConnectionIndex c = 0;
+  while (!stays[c] || last.contains(c)) ++c;
   while (met[c] == kUnlimited) {
+    if (last.contains(c)) return waits_in_vain(path.back().first, c, path.back().second);
     met[c] = path.size();
     const auto next = waits_for(c);
     path.emplace_back(c, next->second);
@@ -832,9 +974,10 @@ RewardRange TransitionSystem::reward_range(ConnectionIndex connection, std::size
         range = completes ? RewardRange{1, 1} : RewardRange{-2 * 0.0967, 0};
         break;
       case TermKind::Indexed: {
-        // `before` is at most `open` in disassembly, and at most all but one in assembly; the
-        // reward grows with it.
-        const double most = static_cast<double>(rules.assembly ? num_connections() - 1 : open);
+        // `before` is at most `open` and what is kept in disassembly, and at most all but one in
+        // assembly; the reward grows with it.
+        const double most =
+            static_cast<double>(rules.assembly ? num_connections() - 1 : open + rules.num_kept);
         range = {-1, connection < most - 1 ? most - connection : -1.0};
         break;
       }
@@ -899,6 +1042,9 @@ std::string_view constraint_name(Constraint constraint) {
     case Constraint::MaxMovedParts: return "max_moved_parts";
     case Constraint::MaxMovedMass: return "max_moved_mass";
     case Constraint::Blocking: return "blocking";
+    case Constraint::Inaccessible: return "inaccessible";
+    case Constraint::NotNext: return "not_next";
+    case Constraint::Late: return "late";
     case Constraint::NotOpen: break;
   }
   return "sequence";

@@ -11,6 +11,7 @@
 
 #include "orasp/model/connection_set.h"
 #include "orasp/model/problem.h"
+#include "orasp/model/situation.h"
 
 namespace orasp {
 
@@ -47,8 +48,11 @@ enum class Constraint {
   MaxSubassemblies,  ///< too many pieces with two or more parts
   MaxMovedParts,
   MaxMovedMass,
-  Blocking,  ///< no direction is free
-  NotOpen,   ///< the connection was handled before (or, in a bare list, is missing at the end)
+  Blocking,      ///< no direction is free
+  NotOpen,       ///< the connection was handled before (or, in a bare list, is missing at the end)
+  Inaccessible,  ///< Situation::inaccessible
+  NotNext,       ///< Situation::not_next
+  Late,          ///< Situation::late
 };
 
 /// The name a problem file uses: "precedence", "max_subassemblies", ...
@@ -80,7 +84,10 @@ inline constexpr double kRelativeTolerance = 1e-9;
 /// A *state* is the set of open connections: those still to be handled. In disassembly these are
 /// the connections still present; in assembly those still missing. So in both directions the start
 /// is the full set, an action takes one connection out, the goal is the empty set, and every path
-/// has as many steps as there are connections: no planner needs to know the direction.
+/// has as many steps as the start has open connections: no planner needs to know the direction.
+///
+/// A Situation makes it the problem that is left in the middle of the work: the start is what is open and accessible
+/// then, what is inaccessible stays as it is for ever and is part of no state. No planner needs to know that either.
 ///
 /// Immutable and shareable between threads. Keeps a reference to the problem, which must outlive
 /// it. For work, each thread makes its own Expander.
@@ -88,6 +95,8 @@ class TransitionSystem {
  public:
   /// @throws InputError if an expression of the objective cannot be compiled.
   explicit TransitionSystem(const Problem& problem);
+  /// @throws InputError as above, and where a set of `situation` is not over the problem's connections.
+  TransitionSystem(const Problem& problem, const Situation& situation);
   ~TransitionSystem();
   TransitionSystem(const TransitionSystem&) = delete;
   TransitionSystem& operator=(const TransitionSystem&) = delete;
@@ -96,7 +105,17 @@ class TransitionSystem {
   [[nodiscard]] std::size_t num_connections() const { return problem_.num_connections(); }
   /// 64-bit words of a state.
   [[nodiscard]] std::size_t words() const { return words_for(num_connections()); }
-  [[nodiscard]] ConnectionSet start() const { return ConnectionSet::all(num_connections()); }
+  [[nodiscard]] const ConnectionSet& start() const;
+  /// Connections open at the start: the steps of every plan.
+  [[nodiscard]] std::size_t num_steps() const { return num_steps_; }
+  /// Whether the start is all connections and nothing but the problem's own constraints judges steps.
+  [[nodiscard]] bool whole() const;
+  /// Whether something cannot be next or is late.
+  [[nodiscard]] bool ordered() const;
+  /// Connections that are open and never handled (Situation::inaccessible).
+  [[nodiscard]] const ConnectionSet& kept() const;
+  /// The connections that are physically there in the state `open`.
+  [[nodiscard]] ConnectionSet present(SetView open) const;
 
   /// A reason, found without search, for which no plan exists: the start has more subassemblies
   /// than allowed, or the precedence can never be met (then the message spells out a cycle). Empty
@@ -129,8 +148,12 @@ class TransitionSystem {
  private:
   friend class Expander;
   struct Rules;
+  [[nodiscard]] Violation waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
+                                        std::size_t entry) const;
+
   const Problem& problem_;
   std::unique_ptr<const Rules> rules_;
+  std::size_t num_steps_;
 };
 
 /// Works out steps. Holds scratch memory, so each thread makes its own; cheap to make (O(parts +
@@ -178,12 +201,20 @@ class Expander {
   /// connections).
   [[nodiscard]] Step step(SetView open, ConnectionIndex connection);
 
+  /// What the step earns that handles `connection` when it is the last one of all, whatever else is open.
+  [[nodiscard]] double completing_reward(SetView open, ConnectionIndex connection);
+
   /// Whether handling `connection` is legal; false if it is not open. O(parts + connections).
   [[nodiscard]] bool legal(SetView open, ConnectionIndex connection);
 
   /// Why handling `connection` is not legal, all reasons; empty if it is legal. O(parts +
   /// connections).
   [[nodiscard]] std::vector<Violation> violations(SetView open, ConnectionIndex connection);
+
+  /// The directions in which A can leave B where handling `connection`, which must be open, separates or joins the two;
+  /// those of the problem's blocking that are left. Nothing where the step cuts nothing or the problem has no blocking.
+  /// B can leave A along their opposites. O(parts + connections).
+  [[nodiscard]] DirectionMask free_directions(SetView open, ConnectionIndex connection);
 
   // Pieces on their own, in disassembly, for objectives with TransitionSystem::sees_piece_only().
 

@@ -2,8 +2,19 @@
 
 namespace orasp {
 
-Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence) {
-  const TransitionSystem system(problem);
+namespace {
+
+std::vector<std::string> ids_of(const Problem& problem, std::span<const ConnectionIndex> sequence) {
+  std::vector<std::string> ids;
+  ids.reserve(sequence.size());
+  for (const ConnectionIndex c : sequence) ids.push_back(problem.connection_id(c));
+  return ids;
+}
+
+}  // namespace
+
+Evaluation evaluate(const TransitionSystem& system, std::span<const std::string> sequence) {
+  const Problem& problem = system.problem();
   Expander expander(system);
   Evaluation evaluation;
   ConnectionSet open = system.start();
@@ -47,11 +58,16 @@ Evaluation evaluate(const Problem& problem, std::span<const std::string> sequenc
   return evaluation;
 }
 
+Evaluation evaluate(const TransitionSystem& system, std::span<const ConnectionIndex> sequence) {
+  return evaluate(system, ids_of(system.problem(), sequence));
+}
+
+Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence) {
+  return evaluate(TransitionSystem(problem), sequence);
+}
+
 Evaluation evaluate(const Problem& problem, std::span<const ConnectionIndex> sequence) {
-  std::vector<std::string> ids;
-  ids.reserve(sequence.size());
-  for (const ConnectionIndex c : sequence) ids.push_back(problem.connection_id(c));
-  return evaluate(problem, ids);
+  return evaluate(TransitionSystem(problem), ids_of(problem, sequence));
 }
 
 }  // namespace orasp

@@ -34,5 +34,10 @@ struct Evaluation {
 [[nodiscard]] Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence);
 [[nodiscard]] Evaluation evaluate(const Problem& problem,
                                   std::span<const ConnectionIndex> sequence);
+/// The same for what is left of the work: `sequence` holds the steps still to come.
+[[nodiscard]] Evaluation evaluate(const TransitionSystem& system,
+                                  std::span<const std::string> sequence);
+[[nodiscard]] Evaluation evaluate(const TransitionSystem& system,
+                                  std::span<const ConnectionIndex> sequence);
 
 }  // namespace orasp

@@ -41,7 +41,7 @@ class Search {
       open_.resize(open_.size() - 1);
       if (closed_[next.state] != 0) continue;  // met again by a better path since
       closed_[next.state] = 1;
-      if (next.depth == system_.num_connections()) {
+      if (next.depth == system_.num_steps()) {
         finish(next.state);
         break;
       }
@@ -124,7 +124,7 @@ class Search {
     ConnectionSet state(system_.num_connections());
     std::vector<ConnectionIndex>& sequence = result_.sequence;
     std::uint32_t number = goal;
-    while (sequence.size() < system_.num_connections()) {
+    while (sequence.size() < system_.num_steps()) {
       sequence.push_back(by_[number]);
       state.insert(by_[number]);
       number = table_.find(state.view().data());

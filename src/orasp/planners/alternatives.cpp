@@ -63,7 +63,7 @@ double loss_tolerance(const StateGraph& graph, std::span<const double> values) {
   for (const double value : values) {
     if (std::isfinite(value)) greatest = std::max(greatest, std::abs(value));
   }
-  const auto roundings = 4 * static_cast<double>(graph.system().num_connections());
+  const auto roundings = 4 * static_cast<double>(graph.system().num_steps());
   return std::max(kRewardTolerance, roundings * std::numeric_limits<double>::epsilon() * greatest);
 }
 
@@ -72,7 +72,7 @@ std::string count_optimal(const StateGraph& graph, std::span<const double> value
   const double tolerance = loss_tolerance(graph, values);
   constexpr std::size_t kMost64 = 20;   // 20! < 2^64
   constexpr std::size_t kMost128 = 34;  // 34! < 2^128
-  const std::size_t connections = graph.system().num_connections();
+  const std::size_t connections = graph.system().num_steps();
   if (connections <= kMost64) return count_paths<std::uint64_t>(graph, values, tolerance);
   if (connections <= kMost128)
     return count_paths<boost::multiprecision::uint128_t>(graph, values, tolerance);
@@ -122,7 +122,7 @@ Alternatives best_plans(const StateGraph& graph, std::span<const double> values,
 
   complete({}, 0);
   const std::size_t bytes_of_plan =
-      graph.system().num_connections() * (sizeof(ActionId) + sizeof(ConnectionIndex));
+      graph.system().num_steps() * (sizeof(ActionId) + sizeof(ConnectionIndex));
   while (plans.size() < most && !heap.empty()) {
     const std::uint64_t bytes =
         graph.bytes() + heap.size() * sizeof(Departure) + plans.size() * bytes_of_plan;

@@ -1031,7 +1031,8 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
 }  // namespace
 
 bool and_or_applies(const TransitionSystem& system) {
-  return system.sees_piece_only() && system.problem().direction() == Direction::Disassembly &&
+  return system.whole() && system.sees_piece_only() &&
+         system.problem().direction() == Direction::Disassembly &&
          system.problem().num_parts() <= kAndOrMostParts;
 }
 
@@ -1045,7 +1046,8 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
   }
   if (!and_or_applies(system)) {
     throw InputError(
-        "and-or takes problems in disassembly, of at most " + std::to_string(kAndOrMostParts) +
+        "and-or takes whole problems in disassembly, of at most " +
+        std::to_string(kAndOrMostParts) +
         " parts, whose objective sees nothing but the piece that is cut; use value-iteration, "
         "a-star or beam instead");
   }

@@ -126,7 +126,7 @@ class Search {
 
   /// One pass; @returns the greatest promise that found no room, -infinity if everything did.
   double pass(std::size_t width) {
-    const std::size_t depth = system_.num_connections();
+    const std::size_t depth = system_.num_steps();
     double left_out = -kInfinity;
     taken_.clear();
     begins_.assign(1, 0);
@@ -271,7 +271,7 @@ class Search {
   }
 
   void take_plan() {
-    const std::size_t depth = system_.num_connections();
+    const std::size_t depth = system_.num_steps();
     result_.reward = layer_.rewards.front();
     result_.status = Status::Feasible;
     result_.sequence.assign(depth, 0);

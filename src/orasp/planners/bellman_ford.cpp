@@ -56,7 +56,7 @@ Result bellman_ford(const StateGraph& graph, const BellmanFordOptions& options,
   if (!goal) {
     result = detail::exhausted("bellman-ford", result.statistics);
   } else {
-    result.sequence.resize(graph.system().num_connections());
+    result.sequence.resize(graph.system().num_steps());
     StateId s = *goal;
     for (std::size_t i = result.sequence.size(); i-- > 0;) {
       ActionId a = graph.begin(parent[s]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -65,19 +66,44 @@ PieceGains::PieceGains(const TransitionSystem& system) {
            problem.num_parts() <= kMostParts;
   if (!known_) return;
   Expander expander(system);
+  find_units(system);
   try {
-    last_surplus_ = problem.num_connections() == 0 ? 0 : -kInfinity;
+    last_surplus_ = system.num_steps() == 0 ? 0 : -kInfinity;
     for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
       own_.push_back(expander.own_reward(c));
-      last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
+      if (system.start().contains(c))
+        last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
     }
     most_moved_ = problem.limits().max_moved_parts.value_or(problem.num_parts());
-    measure_sizes(expander, problem);
+    measure_sizes(system, expander);
     measure_parts(expander, problem);
   } catch (const InputError&) {
     // A formula without a value for a step that no plan may ever take, such as 1 / moved_parts where nothing moves.
     known_ = sizes_known_ = parts_known_ = false;
   }
+}
+
+void PieceGains::find_units(const TransitionSystem& system) {
+  if (system.kept().empty()) return;
+  const std::size_t parts = system.problem().num_parts();
+  merged_.assign(parts, 0);
+  unit_.assign(parts, 0);
+  const detail::AssemblyGraph graph(system.problem());
+  graph.for_each_piece(system.kept().view(), [&](std::span<const PartIndex> unit) {
+    const PartIndex first = *std::ranges::min_element(unit);
+    for (const PartIndex part : unit) {
+      unit_[part] = first;
+      merged_[part] = part == first ? 0 : 1;
+    }
+  });
+}
+
+std::size_t PieceGains::excess(std::span<const PartIndex> piece) const {
+  std::size_t sum = 0;
+  if (!merged_.empty()) {
+    for (const PartIndex part : piece) sum += merged_[part];
+  }
+  return sum;
 }
 
 double PieceGains::gain(std::size_t moved, std::size_t kept) const {
@@ -110,7 +136,8 @@ void PieceGains::measure_arms(const Problem& problem) {
   }
 }
 
-void PieceGains::measure_sizes(Expander& expander, const Problem& problem) {
+void PieceGains::measure_sizes(const TransitionSystem& system, Expander& expander) {
+  const Problem& problem = system.problem();
   const std::size_t parts = problem.num_parts();
   by_size_.assign(parts + 1, -kInfinity);
   by_size_[0] = 0;
@@ -124,7 +151,69 @@ void PieceGains::measure_sizes(Expander& expander, const Problem& problem) {
   }
   // A limit under which some size cannot be cut at all is left to the searches.
   sizes_known_ = std::ranges::all_of(by_size_, [](double best) { return std::isfinite(best); });
+  if (has_units()) measure_last(system, expander);
+  if (sizes_known_ && has_units()) measure_excess();
   if (sizes_known_ && parts <= kMostPartsWithArms) measure_arms(problem);
+}
+
+void PieceGains::measure_last(const TransitionSystem& system, Expander& expander) {
+  std::vector<std::size_t> size(unit_.size(), 0);
+  for (const PartIndex unit : unit_) ++size[unit];
+  surplus_without_cut_ = surplus_of_cut_ = -kInfinity;
+  for_each_connection(system.start().view(), [&](ConnectionIndex c) {
+    const auto& ends = system.problem().ends(c);
+    const std::array<PartIndex, 2> units = {unit_[ends[0]], unit_[ends[1]]};
+    const double more = expander.completion_surplus(c);
+    if (units[0] == units[1]) {
+      surplus_without_cut_ = std::max(surplus_without_cut_, more);
+      return;
+    }
+    const auto [smaller, larger] = std::minmax(size[units[0]], size[units[1]]);
+    const auto [place, is_new] = surplus_.try_emplace({smaller, larger}, more);
+    if (!is_new) place->second = std::max(place->second, more);
+    surplus_of_cut_ = std::max(surplus_of_cut_, more);
+  });
+}
+
+void PieceGains::measure_excess() {
+  constexpr double kMostWork = 1e8;
+  const std::size_t parts = merged_.size();
+  const auto most = static_cast<std::size_t>(std::ranges::count(merged_, 1));
+  const double work = static_cast<double>(parts * most) * static_cast<double>(parts * most) / 8;
+  if (work > kMostWork) {
+    sizes_known_ = false;
+    return;
+  }
+  for (std::size_t d = 0; d <= most; ++d) {
+    if (d > 0) {
+      by_excess_.emplace_back(parts + 1, -kInfinity);
+      by_excess_.back()[d + 1] = 0;
+    }
+    std::vector<double>& best = d == 0 ? by_size_ : by_excess_.back();
+    std::vector<double>& last = last_by_excess_.emplace_back(parts + 1, -kInfinity);
+    for (const auto& [units, more] : surplus_) {
+      const std::size_t n = units[0] + units[1];
+      if (n == d + 2) last[n] = std::max(last[n], gain(units[0], units[1]) + more);
+    }
+    for (std::size_t n = d + 2; n <= parts; ++n) {
+      for (std::size_t a = 1; a <= n / 2; ++a) {
+        const std::size_t b = n - a;
+        const double cut = gain(a, b);
+        if (cut == -kInfinity) continue;
+        const std::size_t first = d + 1 > b ? d + 1 - b : 0;  // what b cannot hold
+        for (std::size_t i = first; i < a && i <= d; ++i) {
+          const double left = by_size(a, i);
+          const double right = by_size(b, d - i);
+          best[n] = std::max(best[n], cut + left + right);
+          last[n] = std::max(
+              last[n], cut + std::max(last_by_size(a, i) + right, left + last_by_size(b, d - i)));
+        }
+      }
+    }
+    // As for single parts: a size that no limit allows to cut is left to the searches.
+    for (std::size_t n = d + 1; n <= parts; ++n)
+      sizes_known_ = sizes_known_ && std::isfinite(best[n]);
+  }
 }
 
 namespace {
@@ -185,10 +274,13 @@ void PieceGains::measure_parts(Expander& expander, const Problem& problem) {
       for (std::size_t b = a; a + b <= parts; ++b) larger = std::max(larger, gain(a, b));
     }
     for (double& price : prices_) price = std::max(price, larger);
-  } else if (most > 1) {
+  } else if (most > 1 && !has_units()) {
     lower_prices(expander, problem, graph);
   }
   parts_known_ = std::ranges::all_of(prices_, [](double price) { return std::isfinite(price); });
+  if (!has_units()) return;
+  for (PartIndex part = 0; part < parts; ++part)
+    prices_[unit_[part]] = std::min(prices_[unit_[part]], prices_[part]);
 }
 
 void PieceGains::lower_prices(Expander& expander, const Problem& problem,
@@ -331,6 +423,7 @@ double PieceGains::by_parts(std::span<const PartIndex> piece) const {
   double sum = 0;
   double least = kInfinity;
   for (const PartIndex part : piece) {
+    if (has_units() && merged_[part] != 0) continue;
     sum += prices_[part];
     least = std::min(least, prices_[part]);
   }
@@ -340,26 +433,109 @@ double PieceGains::by_parts(std::span<const PartIndex> piece) const {
 // ---------------------------------------------------------------------------------------------------------------------
 
 struct PieceBound::Scratch {
-  Scratch(const Problem& problem, bool lists) : graph(problem), connectivity(graph, lists) {}
+  Scratch(const TransitionSystem& system, bool lists)
+      : graph(system.problem()),
+        connectivity(graph, lists),
+        kept(system.kept()),
+        keeps(!kept.empty()),
+        words(system.words()) {}
   detail::AssemblyGraph graph;
   detail::Connectivity connectivity;
   std::vector<PartIndex> piece;
+  ConnectionSet kept;
+  bool keeps;
+  std::vector<std::uint64_t> words;
+  // Of the pieces of a state, with units.
+  std::vector<double> gains;
+  std::vector<double> surpluses;  ///< what the last step of all adds, were it the piece's last cut
+  std::vector<std::size_t> piece_of;  ///< by part
+
+  /// In disassembly.
+  [[nodiscard]] SetView present(SetView open) {
+    if (!keeps) return open;
+    std::ranges::transform(open, kept.view(), words.begin(), std::bit_or());
+    return words;
+  }
 };
 
 PieceBound::PieceBound(const TransitionSystem& system, Kind kind) : gains_(system) {
   sizes_ = kind != Kind::Parts && gains_.known() && gains_.sizes_known();
   parts_ = kind != Kind::Sizes && gains_.known() && gains_.parts_known();
   known_ = sizes_ || parts_;
-  if (known_) scratch_ = std::make_unique<Scratch>(system.problem(), parts_);
+  if (known_) scratch_ = std::make_unique<Scratch>(system, parts_ || gains_.has_units());
 }
 
 PieceBound::~PieceBound() = default;
 
 double PieceBound::of_piece(std::span<const PartIndex> piece) const {
   double bound = kInfinity;
-  if (sizes_) bound = gains_.by_size(piece.size());
+  if (sizes_) bound = gains_.by_size(piece.size(), gains_.excess(piece));
   if (parts_) bound = std::min(bound, gains_.by_parts(piece));
   return bound;
+}
+
+// The same for the piece whose last cut completes.
+double PieceBound::of_last_piece(std::span<const PartIndex> piece) const {
+  const std::size_t excess = gains_.excess(piece);
+  if (excess + 1 == piece.size()) return -kInfinity;
+  double bound = kInfinity;
+  if (sizes_) bound = gains_.last_by_size(piece.size(), excess);
+  if (parts_) bound = std::min(bound, gains_.by_parts(piece) + gains_.surplus_of_cut());
+  return bound;
+}
+
+// Looks at each piece of a state: what its cuts gain, and how much more if the last step of all is its last cut.
+// Returns the sum of the former.
+double PieceBound::measure_units(SetView open) {
+  Scratch& s = *scratch_;
+  double sum = 0;
+  s.gains.clear();
+  s.surpluses.clear();
+  s.piece_of.resize(s.graph.num_parts());
+  s.graph.for_each_piece(s.present(open), [&](std::span<const PartIndex> piece) {
+    for (const PartIndex part : piece) s.piece_of[part] = s.gains.size();
+    s.gains.push_back(of_piece(piece));
+    s.surpluses.push_back(of_last_piece(piece) - s.gains.back());
+    sum += s.gains.back();
+  });
+  return sum;
+}
+
+void PieceBound::of_successors_with_units(SetView open, double here,
+                                          std::span<const Action> actions,
+                                          std::span<double> bounds) {
+  Scratch& s = *scratch_;
+  measure_units(open);
+  s.connectivity.analyse(s.present(open), false);
+  // The greatest surplus of all pieces, and of all but one.
+  const auto greatest_but = [&](std::size_t piece) {
+    double greatest = gains_.surplus_without_cut();
+    for (std::size_t p = 0; p < s.surpluses.size(); ++p) {
+      if (p != piece) greatest = std::max(greatest, s.surpluses[p]);
+    }
+    return greatest;
+  };
+  const auto best =
+      static_cast<std::size_t>(std::ranges::max_element(s.surpluses) - s.surpluses.begin());
+  const double others = greatest_but(best);
+  const double greatest = std::max(others, s.surpluses[best]);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const ConnectionIndex c = actions[i].connection;
+    bounds[i] = here - gains_.own(c);
+    const std::uint32_t a = s.connectivity.below(c);
+    if (a == 0) continue;
+    s.piece.clear();
+    s.connectivity.lower_side(c).for_each([&](PartIndex part) { s.piece.push_back(part); });
+    s.connectivity.upper_side(c).for_each([&](PartIndex part) { s.piece.push_back(part); });
+    const std::span<const PartIndex> all(s.piece);
+    const std::size_t whole = s.piece_of[all.front()];
+    const double first = of_piece(all.first(a));
+    const double second = of_piece(all.subspan(a));
+    const double now =
+        std::max({whole == best ? others : greatest, of_last_piece(all.first(a)) - first,
+                  of_last_piece(all.subspan(a)) - second});
+    bounds[i] += first + second - s.gains[whole] + now - greatest;
+  }
 }
 
 double PieceBound::operator()(SetView open) {
@@ -371,6 +547,11 @@ double PieceBound::operator()(SetView open) {
     goal = false;
   });
   if (goal) return 0;
+  if (gains_.has_units()) {
+    sum += measure_units(open);
+    return sum +
+           std::max(gains_.surplus_without_cut(), *std::ranges::max_element(scratch_->surpluses));
+  }
   scratch_->graph.for_each_piece(open,
                                  [&](std::span<const PartIndex> piece) { sum += of_piece(piece); });
   return sum + gains_.last_surplus();
@@ -380,6 +561,10 @@ void PieceBound::of_successors(SetView open, double here, std::span<const Action
                                std::span<double> bounds) {
   if (count(open) == 1) {
     std::ranges::fill(bounds, 0.0);
+    return;
+  }
+  if (gains_.has_units()) {
+    of_successors_with_units(open, here, actions, bounds);
     return;
   }
   detail::Connectivity& connectivity = scratch_->connectivity;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -90,6 +91,32 @@ class PieceGains {
   [[nodiscard]] bool sizes_known() const { return sizes_known_; }
   [[nodiscard]] bool parts_known() const { return parts_known_; }
 
+  /// Whether pieces may end as more than one part, because connections are kept (TransitionSystem::kept).
+  [[nodiscard]] bool has_units() const { return !merged_.empty(); }
+  /// Parts of a piece less the units that it ends as: what kept connections hold together is a unit. 0 without any.
+  [[nodiscard]] std::size_t excess(std::span<const PartIndex> piece) const;
+  /// By sizes, for a piece of n parts that ends as n - d units, so is cut n - d - 1 times, whatever their sizes:
+  ///
+  ///     g(n, d) = max over a + b = n, i + j = d of gain(a, b) + g(a, i) + g(b, j),   i < a, j < b,   g(n, n - 1) = 0.
+  [[nodiscard]] double by_size(std::size_t parts, std::size_t excess) const {
+    return excess == 0 ? by_size_[parts] : by_excess_[excess - 1][parts];
+  }
+
+  /// The same where the piece's last cut is the last step of all, which adds S to it; S depends on the two units that it
+  /// parts, whose sizes are known:
+  ///
+  ///     g*(a + b, a + b - 2) = gain(a, b) + S(a, b),
+  ///     g*(n, d) = max over cuts of gain(a, b) + max(g*(a, i) + g(b, j), g(a, i) + g*(b, j)).
+  ///
+  /// -infinity for a piece that is one unit.
+  [[nodiscard]] double last_by_size(std::size_t parts, std::size_t excess) const {
+    return last_by_excess_[excess][parts];
+  }
+  /// Most that completing adds to a last step that separates nothing, or that does; -infinity where there is none. Known
+  /// only if has_units().
+  [[nodiscard]] double surplus_without_cut() const { return surplus_without_cut_; }
+  [[nodiscard]] double surplus_of_cut() const { return surplus_of_cut_; }
+
   /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller of a, b at most
   /// max_moved_parts. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
   [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
@@ -120,7 +147,10 @@ class PieceGains {
 
  private:
   static constexpr std::size_t kMostPartsWithArms = 512;
-  void measure_sizes(Expander& expander, const Problem& problem);
+  void find_units(const TransitionSystem& system);
+  void measure_last(const TransitionSystem& system, Expander& expander);
+  void measure_sizes(const TransitionSystem& system, Expander& expander);
+  void measure_excess();
   void measure_arms(const Problem& problem);
   void measure_parts(Expander& expander, const Problem& problem);
   void lower_prices(Expander& expander, const Problem& problem, const detail::AssemblyGraph& graph);
@@ -131,7 +161,15 @@ class PieceGains {
   double last_surplus_ = 0;
   std::size_t most_moved_ = 0;
   std::vector<double> own_;
+  /// By part: whether it is in one unit with an earlier listed one; empty if there are no units.
+  std::vector<unsigned char> merged_;
+  std::vector<PartIndex> unit_;  ///< by part: the first part of its unit
   std::vector<double> by_size_;
+  std::vector<std::vector<double>> by_excess_;            ///< from an excess of 1 on, by parts
+  std::vector<std::vector<double>> last_by_excess_;       ///< from 0 on
+  std::map<std::array<std::size_t, 2>, double> surplus_;  ///< S, by the smaller unit and the larger
+  double surplus_without_cut_ = 0;
+  double surplus_of_cut_ = 0;
   std::vector<std::vector<double>> by_arms_;  ///< from two arms on, by parts
   std::vector<double>
       gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
@@ -147,6 +185,9 @@ class PieceGains {
 ///             away.
 /// Consistent: yes, for every legal cut of S into A and B g(S) >= gain + g(A) + g(B), for each of the two, and so for
 ///             the smaller of the two.
+/// Where connections are kept, a piece ends as units of several parts: it has that many cuts fewer (g(n, d)), and each
+/// unit but one ends as the last of what was moved, so it pays the price of any one of its parts. What completing adds
+/// then depends on the piece that is cut last (g*).
 /// Infinite where the objective sees more than the piece, in assembly, and beyond PieceGains::kMostParts.
 /// Cost:       O(parts^2) once, O(parts + connections) a state.
 class PieceBound final : public Bound {
@@ -167,6 +208,10 @@ class PieceBound final : public Bound {
  private:
   struct Scratch;
   [[nodiscard]] double of_piece(std::span<const PartIndex> piece) const;
+  [[nodiscard]] double of_last_piece(std::span<const PartIndex> piece) const;
+  double measure_units(SetView open);
+  void of_successors_with_units(SetView open, double here, std::span<const Action> actions,
+                                std::span<double> bounds);
 
   PieceGains gains_;
   bool sizes_ = false;

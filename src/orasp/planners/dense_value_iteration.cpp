@@ -635,7 +635,7 @@ double dense_table_bytes(const TransitionSystem& system, const Budget& budget) {
 }
 
 bool dense_table_fits(const TransitionSystem& system, const Budget& budget) {
-  return system.num_connections() <= kMostConnections &&
+  return system.whole() && system.num_connections() <= kMostConnections &&
          dense_table_bytes(system, budget) <= static_cast<double>(allowed_bytes(budget));
 }
 
@@ -647,6 +647,8 @@ Result dense_value_iteration(const TransitionSystem& system,
                              const DenseValueIterationOptions& options, const Budget& budget) {
   const Stopwatch watch;
   if (auto result = detail::settled(system, kMethod)) return *result;
+  if (!system.whole())
+    throw InputError("value-iteration: the table of all 2^n states begins with all connections open");
   const std::size_t n = system.num_connections();
   const bool doubles = takes_doubles(system, options, budget);
   const double needed = table_bytes(n, doubles);

@@ -62,7 +62,7 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
   } else if (!goal) {
     result = detail::exhausted("dijkstra", result.statistics);
   } else {
-    result.sequence.resize(graph.system().num_connections());
+    result.sequence.resize(graph.system().num_steps());
     result.reward = 0;
     StateId s = *goal;
     for (std::size_t i = result.sequence.size(); i-- > 0; s = parent[s]) {

@@ -10,10 +10,10 @@ Result exhaustive(const TransitionSystem& system, const Budget& budget) {
   // Depth first over the tree H~ with nothing but a stack.
   constexpr std::uint64_t kPollEvery = 4096;
   const Stopwatch watch;
-  if (system.num_connections() > kExhaustiveMaxConnections) {
+  if (system.num_steps() > kExhaustiveMaxConnections) {
     throw InputError("exhaustive tries every sequence and takes at most " +
                      std::to_string(kExhaustiveMaxConnections) + " connections; this problem has " +
-                     std::to_string(system.num_connections()) +
+                     std::to_string(system.num_steps()) +
                      "; use value-iteration, dijkstra, bellman-ford or orasp-search instead");
   }
   if (auto result = detail::settled(system, "exhaustive")) return *result;

@@ -11,6 +11,7 @@
 #include "orasp/model/detail/wording.h"
 #include "orasp/planners/detail/state_table.h"
 #include "orasp/planners/feasibility.h"
+#include "orasp/planners/greedy.h"
 
 namespace orasp {
 
@@ -21,14 +22,14 @@ using detail::in_quotes;
 // ---------------------------------------------------------------------------------------------------------------------
 // What can be dropped
 
-enum class Kind { After, AfterAny, Subassemblies, MovedParts, MovedMass, Blocked };
+enum class Kind { After, AfterAny, Subassemblies, MovedParts, MovedMass, Blocked, Inaccessible };
 
 /// The least that can be dropped: a limit, one id of an `after`, a whole `after_any` (of which fewer ids ask for more),
-/// one direction of an entry of `blocked`.
+/// one direction of an entry of `blocked`, one inaccessible connection.
 struct Atom {
   Kind kind;
   std::size_t entry = 0;
-  std::size_t member = 0;  ///< After: the connection; Blocked: the direction
+  std::size_t member = 0;  ///< After, Inaccessible: the connection; Blocked: the direction
 
   [[nodiscard]] friend auto operator<=>(const Atom&, const Atom&) = default;
 };
@@ -37,7 +38,7 @@ struct Atom {
 using Unit = std::vector<Atom>;
 using Units = std::vector<Unit>;
 
-std::vector<Atom> atoms_of(const Problem& problem) {
+std::vector<Atom> atoms_of(const Problem& problem, const ConnectionSet& kept) {
   std::vector<Atom> atoms;
   for (const PrecedenceClause& clause : problem.precedence()) {
     for (const ConnectionIndex c : clause.after) atoms.push_back({Kind::After, clause.entry, c});
@@ -57,6 +58,9 @@ std::vector<Atom> atoms_of(const Problem& problem) {
       for (const std::size_t d : directions) atoms.push_back({Kind::Blocked, i, d});
     }
   }
+  for_each_connection(kept.view(), [&](ConnectionIndex c) {
+    atoms.push_back({Kind::Inaccessible, c, c});
+  });
   return atoms;
 }
 
@@ -111,6 +115,7 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
         break;
       case Kind::MovedParts: spec.limits.max_moved_parts = whole.limits.max_moved_parts; break;
       case Kind::MovedMass: spec.limits.max_moved_mass = whole.limits.max_moved_mass; break;
+      case Kind::Inaccessible: break;  // not the problem's own
       case Kind::Blocked: {
         const Blocked& entry = whole.blocking->blocked[atom.entry];
         spec.blocking->blocked.push_back({entry.part, entry.by, {kDirectionNames[atom.member]}});
@@ -154,10 +159,31 @@ bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) 
 // ---------------------------------------------------------------------------------------------------------------------
 // Finding the conflict
 
+/// An order, in disassembly, of what is left to do under the constraints of `problem`, where only `kept` stays.
+Feasibility find_order_left(const Problem& problem, const TransitionSystem& system,
+                            const ConnectionSet& kept, const Budget& budget) {
+  ConnectionSet left(problem.num_connections());  // all that is open, but for `kept`
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if ((system.start().contains(c) || system.kept().contains(c)) && !kept.contains(c))
+      left.insert(c);
+  }
+  ConnectionSet from = left;
+  ConnectionSet to(problem.num_connections());
+  const bool assembly = system.problem().direction() == Direction::Assembly;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    const bool made = !system.start().contains(c) && !system.kept().contains(c);
+    if (left.contains(c) || !(assembly ? made : kept.contains(c))) continue;
+    from.insert(c);
+    to.insert(c);
+  }
+  return find_order(problem, from, to, budget);
+}
+
 class ConflictFinder {
  public:
-  ConflictFinder(const Problem& problem, const Budget& budget, ProblemExplanation& explanation)
-      : problem_(problem), budget_(budget), explanation_(explanation) {}
+  ConflictFinder(const TransitionSystem& system, const Budget& budget,
+                 ProblemExplanation& explanation)
+      : system_(system), problem_(system.problem()), budget_(budget), explanation_(explanation) {}
 
   /// Whether no plan exists under `units`: proved. What is not decided counts as no.
   [[nodiscard]] bool conflicts(const Units& units) {
@@ -168,12 +194,13 @@ class ConflictFinder {
       std::vector<Atom> atoms;
       for (const Unit& unit : units) atoms.insert(atoms.end(), unit.begin(), unit.end());
       const auto is_of_precedence = [](const Atom& atom) { return is_precedence(atom.kind); };
-      if (std::ranges::all_of(atoms, is_of_precedence))  // nothing judges cuts: nothing to search
+      if (system_.whole() &&
+          std::ranges::all_of(atoms, is_of_precedence))  // nothing judges cuts: nothing to search
         return !precedence_can_be_met(problem_, atoms);
       Budget share = budget_;
       share.progress = nullptr;
       share.max_expansions = kTestExpansions;
-      const Feasibility found = find_order(reduced(problem_, units), share);
+      const Feasibility found = order_under(units, atoms, share);
       if (found.status == Status::Infeasible) return true;
       if (found.status == Status::Feasible) return false;
       stop = found.stop;
@@ -225,6 +252,18 @@ class ConflictFinder {
   /// Enough for what a person may hope to understand.
   static constexpr std::uint64_t kTestExpansions = 100'000;
 
+  /// An order of what is left to do, in disassembly, under `units` alone.
+  [[nodiscard]] Feasibility order_under(const Units& units, std::span<const Atom> atoms,
+                                        const Budget& budget) const {
+    if (system_.whole()) return find_order(reduced(problem_, units), budget);
+    ConnectionSet kept(problem_.num_connections());
+    for (const Atom& atom : atoms) {
+      if (atom.kind == Kind::Inaccessible) kept.insert(static_cast<ConnectionIndex>(atom.member));
+    }
+    return find_order_left(Problem(reduced(problem_, units)), system_, kept, budget);
+  }
+
+  const TransitionSystem& system_;
   const Problem& problem_;
   const Budget& budget_;
   ProblemExplanation& explanation_;
@@ -253,7 +292,8 @@ std::string quoted_list(const std::vector<std::string>& ids, std::string_view la
   return text;
 }
 
-ConflictItem described(const Problem& problem, const Unit& unit) {
+ConflictItem described(const Problem& problem, const Unit& unit,
+                       const std::optional<Violation>& at_once) {
   const ProblemSpec& spec = problem.spec();
   const bool assembly = problem.direction() == Direction::Assembly;
   const Atom& first = unit.front();
@@ -279,15 +319,9 @@ ConflictItem described(const Problem& problem, const Unit& unit) {
                   (assembly ? " must be made " : " may be removed only ") + rule};
     }
     case Kind::Subassemblies: {
-      const TransitionSystem system(problem);
-      const std::size_t pieces = system.subassemblies(system.start().view());
       const std::size_t most = *spec.limits.max_subassemblies;
-      if (pieces > most) {
-        return {Constraint::MaxSubassemblies, "limits.max_subassemblies",
-                "the whole product is " + std::to_string(pieces) +
-                    (pieces == 1 ? " subassembly" : " subassemblies") + "; at most " +
-                    std::to_string(most) + " are allowed"};
-      }
+      if (at_once && at_once->constraint == Constraint::MaxSubassemblies)
+        return {Constraint::MaxSubassemblies, "limits.max_subassemblies", at_once->message};
       return {Constraint::MaxSubassemblies, "limits.max_subassemblies",
               std::string("at most ") + std::to_string(most) +
                   (most == 1 ? " subassembly is allowed" : " subassemblies are allowed") +
@@ -304,6 +338,10 @@ ConflictItem described(const Problem& problem, const Unit& unit) {
       return {Constraint::MaxMovedMass, "limits.max_moved_mass",
               "a moved piece may have at most " + detail::number_text(*spec.limits.max_moved_mass) +
                   " kg"};
+    case Kind::Inaccessible:
+      return {Constraint::Inaccessible, "",
+              in_quotes(problem.connection_id(static_cast<ConnectionIndex>(first.member))) +
+                  " is inaccessible"};
     case Kind::Blocked: break;
   }
   const Blocked& entry = spec.blocking->blocked[first.entry];
@@ -319,8 +357,43 @@ ConflictItem described(const Problem& problem, const Unit& unit) {
 }  // namespace
 
 ProblemExplanation explain_problem(const Problem& problem, const Budget& budget) {
+  return explain_problem(problem, Situation::whole(problem.num_connections()), budget);
+}
+
+ProblemExplanation explain_problem(const Problem& problem, const Situation& situation,
+                                   const Budget& budget) {
   ProblemExplanation explanation;
-  const Feasibility whole = find_order(problem.spec(), budget);
+  const TransitionSystem system(problem, situation);
+  const auto at_once = system.infeasibility();
+  Feasibility whole;
+  if (system.whole()) {
+    whole = find_order(problem.spec(), budget);
+  } else if (at_once) {
+    whole.status = Status::Infeasible;
+  } else {
+    whole = find_order_left(problem, system, system.kept(), budget);
+  }
+  if (whole.status == Status::Feasible && system.ordered()) {
+    // A plan, but for what cannot be next or is late.
+    const Result plan = greedy(system, budget);
+    explanation.tests = 2;
+    explanation.status = plan.has_plan() ? Status::Feasible : plan.status;
+    explanation.stop = plan.stop;
+    explanation.plan = plan.sequence;
+    if (plan.status != Status::Infeasible) return explanation;
+    explanation.minimal = false;
+    const auto items = [&](const ConnectionSet& set, Constraint constraint, const char* what) {
+      for_each_connection(set.view(), [&](ConnectionIndex c) {
+        if (system.start().contains(c))
+          explanation.conflict.push_back(
+              {constraint, "", in_quotes(problem.connection_id(c)) + what});
+      });
+    };
+    items(situation.not_next, Constraint::NotNext, " cannot be the next step");
+    items(situation.late, Constraint::Late,
+          " waits for a late part until nothing else can be done");
+    return explanation;
+  }
   explanation.status = whole.status;
   explanation.stop = whole.stop;
   explanation.tests = 1;
@@ -330,10 +403,8 @@ ProblemExplanation explain_problem(const Problem& problem, const Budget& budget)
     return explanation;
   }
 
-  ConflictFinder finder(problem, budget, explanation);
-  const std::vector<Atom> atoms = atoms_of(problem);
-  const TransitionSystem system(problem);
-  const auto at_once = system.infeasibility();
+  ConflictFinder finder(system, budget, explanation);
+  const std::vector<Atom> atoms = atoms_of(problem, system.kept());
   Units entries;
   if (at_once && at_once->constraint == Constraint::MaxSubassemblies) {
     entries.push_back(
@@ -344,8 +415,9 @@ ProblemExplanation explain_problem(const Problem& problem, const Budget& budget)
     Units background;
     Units candidates;
     for (const Unit& group : needed) {
+      const Kind kind = group.front().kind;
       const bool is_limit =
-          group.front().kind != Kind::Blocked && !is_precedence(group.front().kind);
+          kind != Kind::Blocked && kind != Kind::Inaccessible && !is_precedence(kind);
       for (const Unit& unit : units_of(group, same_entry))
         (is_limit ? background : candidates).push_back(unit);
     }
@@ -368,7 +440,7 @@ ProblemExplanation explain_problem(const Problem& problem, const Budget& budget)
     explanation.stop = stop;
   }
   for (const Unit& unit : units_of(atoms_in(entries), same_entry))
-    explanation.conflict.push_back(described(problem, unit));
+    explanation.conflict.push_back(described(problem, unit, at_once));
   if (explanation.conflict.size() == 1)
     explanation.minimal = true;  // without any constraint there is a plan
   return explanation;
@@ -477,6 +549,12 @@ Remedy remedy_for(const Problem& problem, const Violation& violation, const Step
       remedy.message += ")";
       break;
     }
+    case Constraint::Inaccessible: remedy.message = "it would have to be accessible again"; break;
+    case Constraint::NotNext: remedy.message = "it may be a later step"; break;
+    case Constraint::Late:
+      remedy.first = violation.blocking_connections;
+      remedy.message = "what does not wait for the part comes first";
+      break;
     case Constraint::NotOpen: remedy.message = "it is not there to be handled again"; break;
   }
   return remedy;

@@ -23,7 +23,7 @@ struct ConflictItem {
 struct ProblemExplanation {
   Status status = Status::Unknown;  ///< Feasible, Infeasible (proved) or Unknown
   Stop stop = Stop::None;           ///< what ended it early; the conflict may then not be smallest
-  /// In the order precedence, limits, blocking, each by place. Together they allow no plan; empty unless infeasible.
+  /// In the order precedence, limits, blocking, inaccessible, each by place. Together they allow no plan; empty unless infeasible.
   std::vector<ConflictItem> conflict;
   bool minimal = true;      ///< proved: none of them can be left out of the conflict
   std::uint64_t tests = 0;  ///< smaller problems that were tried
@@ -45,6 +45,10 @@ struct ProblemExplanation {
 ///             the first one, which may take the whole budget, is not decided.
 /// Repeatable. Of several conflicts, that of what stands earlier in the file: what stands later is dropped first.
 [[nodiscard]] ProblemExplanation explain_problem(const Problem& problem, const Budget& budget);
+/// The same for what is left of the work (TransitionSystem): inaccessible connections are constraints too, each of which
+/// could be dropped. What cannot be next or is late is named in whole, not `minimal`, where it alone rules out a plan.
+[[nodiscard]] ProblemExplanation explain_problem(const Problem& problem, const Situation& situation,
+                                                 const Budget& budget);
 
 /// One direction in which a piece cannot be taken off, and by what.
 struct BlockedDirection {

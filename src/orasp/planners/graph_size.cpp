@@ -42,7 +42,7 @@ GraphSize graph_size(const StateGraph& graph) {
   }
   constexpr std::size_t kMost64 = 20;   // 20! < 2^64
   constexpr std::size_t kMost128 = 34;  // 34! < 2^128
-  const std::size_t connections = graph.system().num_connections();
+  const std::size_t connections = graph.system().num_steps();
   if (connections <= kMost64) {
     count_paths<std::uint64_t>(graph, size);
   } else if (connections <= kMost128) {

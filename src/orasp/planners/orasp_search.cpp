@@ -26,7 +26,7 @@ class Search {
         allowed_(allowed_bytes(budget)),
         result_(result),
         state_(system.start()),
-        num_open_(system.num_connections()),
+        num_open_(system.num_steps()),
         met_(system.words()) {}
 
   void run() {

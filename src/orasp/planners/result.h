@@ -56,6 +56,33 @@ struct Statistics {
   std::uint64_t peak_bytes = 0;  ///< greatest size of the planner's own tables
 };
 
+/// What a policy does in one state.
+struct PolicyState {
+  ConnectionSet open;
+  ConnectionIndex next = 0;  ///< to be attempted
+  double reward = 0;         ///< expected from here on
+};
+
+/// An attempt and what came of it.
+struct AttemptOutcome {
+  ConnectionIndex connection = 0;
+  bool succeeds = true;  ///< false: a failure that changes the state or ends the job
+
+  [[nodiscard]] bool operator==(const AttemptOutcome&) const = default;
+};
+
+/// What is known of a policy where attempts may fail (planners/uncertain.h).
+struct Expectation {
+  double attempts = 0;  ///< expected number
+  double residual = 0;  ///< the most by which Bellman's operator changes a value
+  double error = 0;     ///< proved: the value of the start is within this of the optimum
+  /// The likeliest course of the job: what is attempted, each until it succeeds or fails for good.
+  std::vector<AttemptOutcome> most_likely;
+  double probability = 1;  ///< of that course
+  /// Every state that the policy can meet, but the goal: the start first, then most open first.
+  std::vector<PolicyState> policy;
+};
+
 /// What a planner answers. A value; the caller owns it.
 struct Result {
   std::string method;
@@ -74,6 +101,8 @@ struct Result {
   /// from the start to each state of H (indexed by StateId, -infinity where there is none). Empty
   /// for other planners, and where value-iteration did without H.
   std::vector<double> values;
+  /// Where attempts may fail: `reward` and `bound` are expectations, and this is the policy.
+  std::optional<Expectation> expectation;
 
   [[nodiscard]] bool has_plan() const {
     return status == Status::Optimal || status == Status::Feasible;

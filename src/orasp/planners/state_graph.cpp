@@ -96,11 +96,11 @@ class StateGraphBuilder {
       graph_.row_begin_.resize(begin + size + 1);
       stop_ = expired(memory(runs));
       if (stop_ == Stop::None) {
-        expand(runs, begin, size, system.num_connections() - layer, threads);
+        expand(runs, begin, size, system.num_steps() - layer, threads);
       }
       if (stop_ == Stop::None) append_rows(runs, begin, size, threads);
       if (stop_ == Stop::None && graph_.row_begin_[begin + size] > graph_.row_begin_[begin]) {
-        const std::size_t left = system.num_connections() - layer;
+        const std::size_t left = system.num_steps() - layer;
         const std::size_t actions = graph_.row_begin_[begin + size] - graph_.row_begin_[begin];
         if (kWords == 1 &&
             ranks_.subsets(system.num_connections(), left - 1) <= 2 * actions + kAlwaysRanked) {
@@ -115,7 +115,7 @@ class StateGraphBuilder {
       }
       budget_.report({.phase = "building H",
                       .done = layer + 1,
-                      .total = system.num_connections() + 1,
+                      .total = system.num_steps() + 1,
                       .states = graph_.num_states()});
     }
     graph_.stop_ = stop_;
@@ -131,10 +131,10 @@ class StateGraphBuilder {
   // Where H cannot become large, room for all of it at once: pages are only taken when they are touched, and an array
   // that never moves is served with huge ones.
   void reserve_address_space() {
-    const std::size_t connections = graph_.system_->num_connections();
-    if (connections > 24) return;
-    const std::size_t states = std::size_t{1} << connections;
-    const std::size_t actions = states / 2 * connections;
+    const std::size_t steps = graph_.system_->num_steps();
+    if (steps > 24) return;
+    const std::size_t states = std::size_t{1} << steps;
+    const std::size_t actions = states / 2 * steps;
     graph_.states_.reserve(states);
     graph_.row_begin_.reserve(states + 1);
     graph_.successors_.reserve(actions);
@@ -399,8 +399,82 @@ StateGraph StateGraph::build(const TransitionSystem& system, const Budget& budge
                              : StateGraphBuilder<0>(system, budget).build();
 }
 
+StateGraph::Reweighed StateGraph::reweigh(const TransitionSystem& system, const Budget& budget) {
+  if (system.num_connections() != system_->num_connections() ||
+      !(system.start() == system_->start()) ||
+      system.problem().direction() != system_->problem().direction())
+    return Reweighed::Differs;
+  struct Run {
+    explicit Run(const TransitionSystem& of) : expander(of) {}
+    Expander expander;
+    detail::ValueNumbers values;
+    std::vector<std::uint32_t> numbers;  ///< of the rewards of one block, in `values`
+    std::vector<double> plain;           ///< instead, once rewards are too many to number
+  };
+  constexpr std::size_t kBlock = std::size_t{1} << 16;
+  std::vector<Run> runs;
+  for (unsigned t = 0; t < std::max(1U, budget.threads); ++t) runs.emplace_back(system);
+  detail::RewardColumn fresh;
+  std::atomic<bool> differs = false;
+  for (std::size_t begin = 0; begin < num_states(); begin += kBlock) {
+    if (budget.expired(bytes() + fresh.bytes()) != Stop::None) return Reweighed::Stopped;
+    const std::size_t size = std::min<std::size_t>(kBlock, num_states() - begin);
+    const std::size_t threads = size < kParallelFrom ? 1 : runs.size();
+    const bool numbered = fresh.numbered();
+    detail::run_parallel(threads, [&](std::size_t t) {
+      Run& run = runs[t];
+      const auto [first, last] = detail::share_of(size, threads, t);
+      const std::size_t most = row_begin_[begin + last] - row_begin_[begin + first];
+      run.numbers.resize(numbered ? most : 0);
+      run.plain.resize(numbered ? 0 : most);
+      std::uint32_t* number = run.numbers.data();
+      double* plain = run.plain.data();
+      bool same = true;
+      const auto keys = states().subspan((begin + first) * words_, (last - first) * words_);
+      run.expander.for_each_expansion(keys, [&](std::size_t i, std::span<const Action> actions) {
+        const auto state = static_cast<StateId>(begin + first + i);
+        ActionId mine = this->begin(state);
+        same = same && actions.size() == end(state) - mine;
+        if (!same) return;
+        for (const Action& action : actions) {
+          same = same && connection(mine++) == action.connection;
+          if (numbered) {
+            *number++ = run.values.number(action.reward);
+          } else {
+            *plain++ = action.reward;
+          }
+        }
+      });
+      if (!same) differs = true;
+    });
+    if (differs) return Reweighed::Differs;
+    std::vector<std::vector<std::uint32_t>> numbers;
+    for (std::size_t t = 0; t < threads; ++t)
+      numbers.push_back(fresh.admit(runs[t].values.values()));
+    const ActionId from = this->begin(static_cast<StateId>(begin));
+    fresh.extend(row_begin_[begin + size] - from);
+    detail::run_parallel(threads, [&](std::size_t t) {
+      const Run& run = runs[t];
+      std::size_t at =
+          this->begin(static_cast<StateId>(begin + detail::share_of(size, threads, t).begin));
+      if (!numbered) {
+        for (const double reward : run.plain) fresh.set_value(at++, reward);
+      } else if (fresh.numbered()) {
+        for (const std::uint32_t number : run.numbers) fresh.set_number(at++, numbers[t][number]);
+      } else {  // values became too many only now
+        for (const std::uint32_t number : run.numbers)
+          fresh.set_value(at++, run.values.values()[number]);
+      }
+    });
+  }
+  fresh.shrink_to_fit();
+  rewards_ = std::move(fresh);
+  system_ = &system;
+  return Reweighed::Done;
+}
+
 std::optional<StateId> StateGraph::goal() const {
-  if (num_layers() != system_->num_connections() + 1) return std::nullopt;
+  if (num_layers() != system_->num_steps() + 1) return std::nullopt;
   return layer_begin(num_layers() - 1);
 }
 
@@ -439,14 +513,15 @@ double graph_bytes(const TransitionSystem& system, double states, double actions
 bool breaks_no_rule(const TransitionSystem& system, SetView open) {
   const Problem& problem = system.problem();
   if (problem.direction() == Direction::Assembly) return true;
-  const auto present = [&](ConnectionIndex c) { return contains(open, c); };
+  const ConnectionSet there = system.present(open);
+  const auto present = [&](ConnectionIndex c) { return there.contains(c); };
   for (const PrecedenceClause& clause : problem.precedence()) {
     if (present(clause.connection)) continue;
     if (std::ranges::any_of(clause.after, present)) return false;
     if (!clause.after_any.empty() && std::ranges::all_of(clause.after_any, present)) return false;
   }
   const auto most = problem.limits().max_subassemblies;
-  return !most || system.subassemblies(open) <= *most;
+  return !most || system.subassemblies(there.view()) <= *most;
 }
 
 /// Whether some legal action leads into a state, as far as can be seen from the states before it.
@@ -454,7 +529,7 @@ bool has_a_way_in(const TransitionSystem& system, Expander& expander, Connection
   if (!breaks_no_rule(system, open.view())) return false;
   bool at_start = true;
   for (ConnectionIndex c = 0; c < open.universe(); ++c) {
-    if (open.contains(c)) continue;
+    if (open.contains(c) || !system.start().contains(c)) continue;
     at_start = false;
     open.insert(c);
     const bool way = breaks_no_rule(system, open.view()) && expander.legal(open.view(), c);
@@ -478,7 +553,7 @@ GraphEstimate sampled(const TransitionSystem& system) {
   GraphEstimate estimate{1, 0, 0, false};
   double width = 1;
   double widest = 0;
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < system.num_steps(); ++k) {
     std::vector<ConnectionSet> next;
     std::vector<double> weights;
     double mean_actions = 0;
@@ -494,7 +569,7 @@ GraphEstimate sampled(const TransitionSystem& system) {
       // legal.
       std::vector<ConnectionIndex> handled;
       for (ConnectionIndex c = 0; c < n; ++c) {
-        if (!successor.contains(c)) handled.push_back(c);
+        if (system.start().contains(c) && !successor.contains(c)) handled.push_back(c);
       }
       const std::size_t all = handled.size();
       const std::size_t looked_at = std::min(probes, all);
@@ -561,7 +636,7 @@ std::string bytes_text(double bytes) {
 }  // namespace
 
 GraphEstimate estimate_without_constraints(const TransitionSystem& system) {
-  const double n = static_cast<double>(system.num_connections());
+  const double n = static_cast<double>(system.num_steps());
   const double states = std::exp2(n);
   const double actions = n * states / 2;
   // The widest layer holds about sqrt(2 / (pi n)) of all.
@@ -573,7 +648,7 @@ bool unconstrained(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   const Limits& limits = problem.limits();
   return problem.precedence().empty() && !problem.directions() && !limits.max_subassemblies &&
-         !limits.max_moved_parts && !limits.max_moved_mass;
+         !limits.max_moved_parts && !limits.max_moved_mass && !system.ordered();
 }
 
 GraphEstimate estimate_graph(const TransitionSystem& system) {

@@ -49,6 +49,19 @@ class StateGraph {
   /// @throws InputError as Expander::legal_actions.
   [[nodiscard]] static StateGraph build(const TransitionSystem& system, const Budget& budget);
 
+  enum class Reweighed {
+    Done,
+    Differs,  ///< other connections, another start, or in some state other legal actions
+    Stopped,  ///< by the budget
+  };
+  /// Gives each action what it earns under `system`, which must outlive the graph from then on: another objective,
+  /// other durations or masses, on the same states and actions. Every state is expanded again, and its actions are
+  /// compared, so a difference (masses under max_moved_mass, say) is found for certain; but nothing is hashed, sorted or
+  /// merged. O(states * (parts + connections)), parallel; any number of threads gives the same bytes. Unless Done, the
+  /// graph stays as it was. Only for a graph that is whole.
+  /// @throws InputError as Expander::legal_actions, and leaves the graph as it was.
+  [[nodiscard]] Reweighed reweigh(const TransitionSystem& system, const Budget& budget);
+
   [[nodiscard]] const TransitionSystem& system() const { return *system_; }
   /// Why building ended early; Stop::None if H is whole.
   [[nodiscard]] Stop stop() const { return stop_; }
@@ -63,6 +76,8 @@ class StateGraph {
   [[nodiscard]] SetView state(StateId state) const {
     return {states_.data() + state * words_, words_};
   }
+  /// The words of all states, one after another; valid as long as the graph, wherever it is moved.
+  [[nodiscard]] std::span<const std::uint64_t> states() const { return states_.span(); }
   /// The state in which no connection is open; empty if it is not reachable.
   [[nodiscard]] std::optional<StateId> goal() const;
 

@@ -140,11 +140,15 @@ Result value_iteration(const StateGraph& graph, const ValueIterationOptions& opt
   return result;
 }
 
-Result value_iteration(const TransitionSystem& system, const ValueIterationOptions& options,
-                       const Budget& budget) {
+void require_valid(const ValueIterationOptions& options) {
   if (!std::isfinite(options.initial_value))
     throw InputError("value-iteration: the initial value must be finite");
   if (!(options.epsilon >= 0)) throw InputError("value-iteration: epsilon must be 0 or more");
+}
+
+Result value_iteration(const TransitionSystem& system, const ValueIterationOptions& options,
+                       const Budget& budget) {
+  require_valid(options);
   const bool dense = options == ValueIterationOptions{} && dense_values_safe(system);
   const bool dense_fits = dense && dense_table_fits(system, budget);
   if (dense_fits && (unconstrained(system) || !graph_fits(system, budget)))

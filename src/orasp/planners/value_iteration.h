@@ -23,6 +23,9 @@ struct ValueIterationOptions {
   friend bool operator==(const ValueIterationOptions&, const ValueIterationOptions&) = default;
 };
 
+/// @throws InputError where an option makes no sense.
+void require_valid(const ValueIterationOptions& options);
+
 /// Finds an optimal plan by graph-based value iteration.
 ///
 /// Problem.    Maximise the sum of rewards from the start to the goal of H.

@@ -19,7 +19,7 @@ void insert(std::span<std::uint64_t> set, ConnectionIndex c) {
 
 }  // namespace
 
-Rules::Rules(const Problem& problem)
+Rules::Rules(const Problem& problem, const Situation& situation)
     : assembly(problem.direction() == Direction::Assembly),
       words(words_for(problem.num_connections())),
       graph(problem) {
@@ -89,6 +89,31 @@ Rules::Rules(const Problem& problem)
   }
   one_counting_term = terms.size() == 1 && terms[0].weight == 1 && terms[0].counting;
   needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value();
+  take(situation);
+}
+
+void Rules::take(const Situation& situation) {
+  const std::size_t connections = graph.num_connections();
+  for (const ConnectionSet* set :
+       {&situation.open, &situation.inaccessible, &situation.not_next, &situation.late}) {
+    if (set->universe() != connections) {
+      throw InputError("the situation is over " + std::to_string(set->universe()) +
+                       " connections, the problem has " + std::to_string(connections));
+    }
+  }
+  start = kept = not_next = late = ConnectionSet(connections);
+  for_each_connection(situation.open.view(), [&](ConnectionIndex c) {
+    if (situation.inaccessible.contains(c)) {
+      kept.insert(c);
+      ++num_kept;
+      return;
+    }
+    start.insert(c);
+    if (situation.not_next.contains(c)) not_next.insert(c);
+    if (situation.late.contains(c)) late.insert(c);
+  });
+  ordered = !not_next.empty() || !late.empty();
+  whole = start.size() == connections && !ordered;
 }
 
 void Rules::look_at_gain(const Problem& problem, Term& term) const {
@@ -96,12 +121,12 @@ void Rules::look_at_gain(const Problem& problem, Term& term) const {
     case TermKind::PieceCost:
     case TermKind::Completion: term.piece_only = term.gain_by_sizes = true; return;
     case TermKind::CubesatZone:
-      // Whether a piece of two or three parts is a whole starting piece matters too.
+      // Whether a piece of two or three parts is a piece_size starting piece matters too.
       term.piece_only = true;
       term.gain_by_sizes = std::ranges::none_of(problem.parts(), [&](const Part& part) {
         const auto index = static_cast<std::size_t>(&part - problem.parts().data());
-        const std::size_t whole = graph.starting_piece(static_cast<PartIndex>(index));
-        return whole == 2 || whole == 3;
+        const std::size_t piece_size = graph.starting_piece(static_cast<PartIndex>(index));
+        return piece_size == 2 || piece_size == 3;
       });
       return;
     case TermKind::Time:
@@ -208,13 +233,14 @@ bool Rules::precedence_met(SetView open, ConnectionIndex c) const {
   const std::uint64_t flip = assembly ? ~std::uint64_t{0} : 0;
   const std::uint64_t* const mine = after.data() + c * words;
   const std::uint64_t self = std::uint64_t{1} << (c % 64);
+  const SetView stays = kept.view();
   for (std::size_t w = 0; w < words; ++w) {
-    const std::uint64_t present = (open[w] ^ flip) | (w == c / 64 ? self : 0);
+    const std::uint64_t present = ((open[w] | stays[w]) ^ flip) | (w == c / 64 ? self : 0);
     if ((mine[w] & present) != 0) return false;
   }
   return std::ranges::all_of(any[c], [&](const std::vector<std::uint64_t>& list) {
     for (std::size_t w = 0; w < words; ++w) {
-      const std::uint64_t present = (open[w] ^ flip) | (w == c / 64 ? self : 0);
+      const std::uint64_t present = ((open[w] | stays[w]) ^ flip) | (w == c / 64 ? self : 0);
       if ((list[w] & ~present) != 0) return true;
     }
     return false;

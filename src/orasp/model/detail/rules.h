@@ -11,6 +11,7 @@
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/objective.h"
 #include "orasp/model/problem.h"
+#include "orasp/model/situation.h"
 
 /// The rules of the world, arranged for work: what TransitionSystem holds and Expander applies.
 namespace orasp::detail {
@@ -126,10 +127,20 @@ struct Rules {
   bool needs_sides = false;        ///< the parts of A and B must be listed
   bool cuts_checked = false;       ///< some constraint judges separations
 
-  explicit Rules(const Problem& problem);
+  // Where the work stands (Situation), over the same connections.
+  ConnectionSet start;     ///< open and accessible: what is to be handled
+  ConnectionSet kept;      ///< open and inaccessible
+  ConnectionSet not_next;  ///< of `start`
+  ConnectionSet late;      ///< of `start`
+  std::size_t num_kept = 0;
+  bool whole = true;     ///< everything is to be handled and in any order that is legal
+  bool ordered = false;  ///< something cannot be next or is late
+
+  Rules(const Problem& problem, const Situation& situation);
   void look_at_gain(const Problem& problem, Term& term) const;
   void add_terms(const Problem& problem, const Objective& objective, double weight);
   [[nodiscard]] bool precedence_met(SetView open, ConnectionIndex c) const;
+  void take(const Situation& situation);
 };
 
 }  // namespace orasp::detail

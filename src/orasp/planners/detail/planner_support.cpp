@@ -29,11 +29,15 @@ constexpr std::size_t kSmall = 600;  ///< connections
 /// A plan where greedy runs into dead ends: the first legal order, whatever it earns.
 Result any_plan(const TransitionSystem& system, const Budget& budget) {
   Result result;
-  const std::size_t connections = system.num_connections();
-  Feasibility found = find_order(system.problem(), ConnectionSet::all(connections),
-                                 ConnectionSet(connections), budget);
+  if (system.ordered()) return result;
+  const bool assembly = system.problem().direction() == Direction::Assembly;
+  const ConnectionSet none(system.num_connections());
+  const ConnectionSet start = system.present(system.start().view());
+  const ConnectionSet goal = system.present(none.view());
+  Feasibility found =
+      find_order(system.problem(), assembly ? goal : start, assembly ? start : goal, budget);
   if (found.status != Status::Feasible) return result;
-  if (system.problem().direction() == Direction::Assembly) std::ranges::reverse(found.order);
+  if (assembly) std::ranges::reverse(found.order);
   result.sequence = std::move(found.order);
   result.status = Status::Feasible;
   result.reward = reward_of(system, result.sequence);
@@ -56,7 +60,7 @@ double reward_of(const TransitionSystem& system, std::span<const ConnectionIndex
 Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
                const Statistics& statistics) {
   Budget at_once;
-  at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_connections(), 2000);
+  at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_steps(), 2000);
   const bool small = system.num_connections() <= kSmall;
   if (!small) at_once.set_time_limit(kAtOnce);
   Result result = greedy(system, at_once);

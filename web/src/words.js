@@ -1,0 +1,38 @@
+// A step in words.
+import {h, id} from './dom.js';
+import {constraintName} from './format.js';
+import {cutOf} from './replay.js';
+
+export const partName = (problem, part) => {
+  const [ident, name] = problem.parts[part];
+  return name && name !== ident ? `${ident} (${name})` : ident;
+};
+
+/** Parts as a list of ids, cut after `most`. */
+export function partList(problem, parts, most = 12) {
+  const shown = parts.slice(0, parts.length > most + 1 ? most : parts.length);
+  const list = shown.flatMap((part, i) => [i > 0 ? ', ' : '', id(partName(problem, part))]);
+  if (shown.length < parts.length) list.push(` and ${parts.length - shown.length} more`);
+  return list;
+}
+
+/** "remove 1-2" or "connect 1-2". */
+export const act = (order) => (order === 'disassembly' ? 'remove' : 'connect');
+
+/** The ids of the connections that a step removes, as children of an element. */
+export const cutList = (problem, step) => cutOf(step).flatMap((c, i) => [i > 0 ? ', ' : '', id(problem.connections[c][0])]);
+
+/** What moves in a step, as children of an element. */
+export const movement = (problem, step, most) => (step.moved ? partList(problem, step.moved, most) : ['nothing']);
+
+/** What allows a step: [constraint, sentence]. */
+export const reasons = (step, order) => step.why.map(([constraint, , removed, made]) => [constraint, order === 'assembly' ? (made ?? removed) : removed]);
+
+/** The list of what allows a step, or breaks. */
+export function reasonList(step, order) {
+  const items = [
+    ...(step.broken ?? []).map(([constraint, text]) => h('li', {class: 'broken'}, h('b', {}, `Broken: ${constraintName(constraint)}`), ' ', text)),
+    ...reasons(step, order).map(([constraint, text]) => h('li', {}, h('b', {}, constraintName(constraint)), ' ', text)),
+  ];
+  return items.length > 0 ? h('ul', {class: 'reasons'}, items) : h('p', {class: 'reasons'}, 'Nothing constrains it.');
+}
