@@ -9,7 +9,6 @@
 #include "cli/step_table.h"
 #include "cli/text.h"
 #include "orasp/io/fleet_plan_json.h"
-#include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
 
 namespace orasp::cli {
@@ -88,8 +87,7 @@ int evaluate_fleet_plan(const Problem& problem, const std::string& text,
     throw InputError(fmt::format(
         "{}: {}", options.plan == "-" ? "standard input" : options.plan, error.what()));
   }
-  if (!file.problem_digest.empty() && file.problem_digest != problem_digest(problem))
-    context.warn("the plan was made for another problem: its problem_digest differs");
+  warn_of_another_problem(context, file.problem_digest, problem);
   if (options.changes.objective) {
     const auto objective = fleet_objective_called(*options.changes.objective);
     if (!objective)
@@ -120,8 +118,7 @@ int run(const EvaluateOptions& options, const Context& context) {
   if (for_fleet) return evaluate_fleet_plan(problem, text, options, context);
   warn_of_unused_fleet(problem, context);
   const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
-  if (!plan.problem_digest.empty() && plan.problem_digest != problem_digest(problem))
-    context.warn("the plan was made for another problem: its problem_digest differs");
+  warn_of_another_problem(context, plan.problem_digest, problem);
 
   const Evaluation evaluation = evaluate(problem, plan.sequence);
   print_result(context, options.output, options.json, as_json(evaluation),

@@ -15,7 +15,6 @@
 #include "cli/json_output.h"
 #include "cli/progress.h"
 #include "cli/text.h"
-#include "orasp/io/problem_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/uncertain.h"
@@ -56,8 +55,7 @@ double standard_error(const Figures& figures, std::size_t runs) {
 std::vector<ConnectionIndex> legal_plan(const Problem& problem, const std::string& file,
                                         const Context& context) {
   const PlanFile plan = read_plan(file, problem.direction());
-  if (!plan.problem_digest.empty() && plan.problem_digest != problem_digest(problem))
-    context.warn("the plan was made for another problem: its problem_digest differs");
+  warn_of_another_problem(context, plan.problem_digest, problem);
   const Evaluation evaluation = evaluate(problem, plan.sequence);
   if (!evaluation.valid) {
     const StepViolation& first = evaluation.violations.front();

@@ -162,6 +162,11 @@ PlanFile parse_plan_text(const std::string& text, const std::string& file, Direc
   }
 }
 
+void warn_of_another_problem(const Context& context, const std::string& digest, const Problem& problem) {
+  if (!digest.empty() && digest != problem_digest(problem))
+    context.warn("the plan was made for another problem: its problem_digest differs");
+}
+
 PolicyFile read_policy(const std::string& file, const Problem& problem) {
   const std::string bytes = read_text(file);
   PolicyFile policy;

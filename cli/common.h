@@ -57,6 +57,9 @@ struct LimitOptions {
 [[nodiscard]] PlanFile parse_plan_text(const std::string& text, const std::string& file,
                                        Direction direction);
 
+/// Warns where a plan names the digest of another problem than this one; an empty digest names none.
+void warn_of_another_problem(const Context& context, const std::string& digest, const Problem& problem);
+
 /// Reads a policy that was trained on this very problem. @throws InputError.
 [[nodiscard]] PolicyFile read_policy(const std::string& file, const Problem& problem);
 

@@ -443,10 +443,7 @@ ordered_json best_json(const Problem& problem, const Report& report) {
       sentence = "Neither a plan was found nor a proof that there is none.";
       break;
   }
-  if (best.stop != Stop::None)
-    sentence += best.stop == Stop::Cancelled
-                    ? std::string(" The search was interrupted.")
-                    : fmt::format(" The {} stopped the search.", stop_name(best.stop));
+  sentence += detail::stop_sentence(best.stop);
   if (problem.uncertain() && best.has_plan())
     sentence += " Rewards are expectations, since attempts may fail.";
   return {{"status", status_name(best.status)},

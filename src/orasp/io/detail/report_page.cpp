@@ -133,6 +133,12 @@ std::string counted(std::uint64_t number, std::string_view noun) {
   return fmt::format("{} {}{}", digits, noun, number == 1 ? "" : "s");
 }
 
+std::string stop_sentence(Stop stop) {
+  if (stop == Stop::None) return {};
+  if (stop == Stop::Cancelled) return " The search was interrupted.";
+  return fmt::format(" The {} stopped the search.", stop_name(stop));
+}
+
 ordered_json report_problem(const Problem& problem) {
   ordered_json parts = ordered_json::array();
   for (const Part& part : problem.parts()) {

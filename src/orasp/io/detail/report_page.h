@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "orasp/model/problem.h"
+#include "orasp/planners/result.h"
 
 /// What the reports of one robot and of several have in common.
 namespace orasp::detail {
@@ -16,6 +17,9 @@ namespace orasp::detail {
 
 /// "1 step", "12,096 states".
 [[nodiscard]] std::string counted(std::uint64_t number, std::string_view noun);
+
+/// What ended a search early, to follow another sentence (it begins with a space); empty where nothing did.
+[[nodiscard]] std::string stop_sentence(Stop stop);
 
 /// The problem for the page: names, parts, connections, every constraint in words.
 [[nodiscard]] nlohmann::ordered_json report_problem(const Problem& problem);
