@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "orasp/io/scenarios.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/replanner.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/task/budget.h"
+#include "orasp/execution/replanner.h"
+#include "orasp/graph/state_graph.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
-# Writes a C++ file that holds the bytes of each of FILES (comma-separated paths) for src/orasp/io/NAME.h, whose function is
-# called NAME. A file is called by its name; ".json" and ".html" are left off.
-#   cmake -DOUTPUT=embedded_scenarios.cpp -DNAME=embedded_scenarios -DFILES=data/a.json,data/b.json -P embed.cmake
+# Writes a C++ file that holds the bytes of each of FILES (comma-separated paths) for src/orasp/FOLDER/NAME.h, whose
+# function is called NAME. A file is called by its name; ".json" and ".html" are left off.
+#   cmake -DOUTPUT=embedded_scenarios.cpp -DFOLDER=io -DNAME=embedded_scenarios -DFILES=data/a.json,data/b.json -P embed.cmake
 string(REPLACE "," ";" FILES "${FILES}")
 set(entries "")
 foreach(file IN LISTS FILES)
@@ -14,7 +14,7 @@ foreach(file IN LISTS FILES)
   string(APPEND entries "    {\"${name}\", R\"orasp_file(${text})orasp_file\"sv},\n")
 endforeach()
 file(WRITE "${OUTPUT}" "// Written by cmake/embed.cmake.
-#include \"orasp/io/${NAME}.h\"
+#include \"orasp/${FOLDER}/${NAME}.h\"
 
 namespace orasp::detail {
 namespace {

@@ -43,7 +43,7 @@ std::vector<Objective> symmetric_objectives(const ProblemSpec& spec) {
 std::vector<const Planner*> exact_planners(const Problem& problem) {
   std::vector<const Planner*> chosen;
   for (const Planner& planner : one_robot_planners()) {
-    // The integer program has objectives that it does not take, and seconds of its own: tests/planners/mip_test.cpp.
+    // The integer program has objectives that it does not take, and seconds of its own: tests/mip/mip_test.cpp.
     if (planner.exact && planner.name != "q-learning" && planner.name != "mip" &&
         (planner.name != "exhaustive" || problem.num_connections() <= 6))
       chosen.push_back(&planner);

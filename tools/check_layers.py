@@ -4,36 +4,52 @@
     tools/check_layers.py              check the tree that this script lies in
     tools/check_layers.py --self-test  show that each rule fails on a planted violation
 
-A "public header" is a header of src/orasp outside the folders named detail.
+A "public header" is a header of src/orasp outside the folders named detail and those of INTERNAL.
 """
 import re
 import sys
 import tempfile
 from pathlib import Path
 
-# Layer of src/orasp -> the layers it may include.
+# The folders of src/orasp, from the ground up -> the folders that each may include. A file of src/orasp itself (catalogue,
+# method_options, orasp) is a folder of its own here.
 LAYERS = {
     "model": {"model"},
-    "planners": {"model", "planners"},
-    "learning": {"model", "planners", "learning"},
-    "io": {"model", "planners", "io"},
-    "catalogue": {"model", "planners", "learning", "io", "catalogue"},
-    "orasp": {"model", "planners", "learning", "io", "catalogue"},
+    "containers": {"containers"},
+    "task": {"model", "task"},
+    "bounds": {"model", "bounds"},
+    "graph": {"model", "containers", "task", "bounds", "graph"},
+    "planners": {"model", "containers", "task", "bounds", "graph", "planners"},
+    "mip": {"model", "containers", "task", "planners", "mip"},
+    "explain": {"model", "containers", "task", "bounds", "graph", "planners", "explain"},
+    "execution": {"model", "task", "graph", "planners", "execution"},
+    "learning": {"model", "containers", "task", "bounds", "planners", "learning"},
+    "fleet": {"model", "containers", "task", "mip", "fleet"},
+    "io": {"model", "task", "mip", "explain", "learning", "fleet", "io"},
+    "drawing": {"model", "task", "graph", "io", "drawing"},
+    "report": {"model", "task", "bounds", "graph", "planners", "explain", "fleet", "io", "report"},
+    "catalogue": {"model", "task", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
+    "orasp": {"model", "task", "bounds", "graph", "planners", "explain", "execution", "learning", "fleet", "io",
+              "drawing", "catalogue"},
 }
-# Folders that use the library -> may they include its detail folders?
+# Folders that are not for those who use the library, as are those named detail.
+INTERNAL = {"containers"}
+# What every folder may include.
+GROUND = {"orasp/model/error.h", "orasp/model/connection_set.h"}
+# Folders that use the library -> may they include its internal folders?
 USERS = {"cli": False, "benchmarks": False, "examples": False, "tests": True}
 
 # First component of an included path -> the files that may include it. Nothing else is allowed.
-IO_INSIDE = r"src/orasp/io/(.*\.cpp|(.*/)?detail/.*)"
+IO_INSIDE = r"src/orasp/(io|drawing|report)/(.*\.cpp|(.*/)?detail/.*)"
 THIRD_PARTY = {
     "nlohmann": rf"{IO_INSIDE}|(cli|tests|benchmarks)/.*",
     "fmt": rf"{IO_INSIDE}|src/orasp/catalogue\.cpp|(cli|tests|benchmarks)/.*",
     "muParser.h": r"src/orasp/io/.*\.cpp",
     "sha256.h": r"src/orasp/io/.*\.cpp|tests/.*",
-    "boost": r"src/orasp/planners/(graph_size|alternatives)\.cpp|tests/.*",
+    "boost": r"src/orasp/(graph/graph_size|explain/alternatives)\.cpp|tests/.*",
     "torch": r"src/orasp/learning/.*\.cpp",
     "ATen": r"src/orasp/learning/.*\.cpp",
-    **{name: r"src/orasp/planners/mip_solver_cbc\.cpp" for name in (
+    **{name: r"src/orasp/mip/mip_solver_cbc\.cpp" for name in (
         "CbcEventHandler.hpp", "CbcModel.hpp", "CbcSolver.hpp", "ClpEventHandler.hpp", "ClpSimplex.hpp",
         "CoinPackedMatrix.hpp", "OsiClpSolverInterface.hpp")},
     "CLI": r"cli/main\.cpp",
@@ -53,18 +69,25 @@ def layer_of(path):
     return path.split("/")[0].split(".")[0]
 
 
+def is_internal(path):
+    """Whether `path`, which begins with "orasp/", is not for those who use the library."""
+    return "/detail/" in path or path.split("/")[1] in INTERNAL
+
+
 def fault(file, bracket, target):
     """Why `file` (relative to the root) may not include `target`, or None."""
     folder = file.split("/")[0]
     in_library = file.startswith("src/orasp/")
     layer = layer_of(file[len("src/orasp/"):]) if in_library else folder
-    public_header = in_library and file.endswith(".h") and "/detail/" not in file
+    public_header = in_library and file.endswith(".h") and not is_internal(file[len("src/"):])
 
     if target.startswith("orasp/"):
         if bracket == "<":
             return 'write it as #include "orasp/..."'
         if not in_library:
-            return None if USERS[folder] or "/detail/" not in target else f"{folder} may include public headers only"
+            return None if USERS[folder] or not is_internal(target) else f"{folder} may include public headers only"
+        if target in GROUND:
+            return None
         wanted = layer_of(target[len("orasp/"):])
         return None if wanted in LAYERS[layer] else f"{layer} may not include {wanted}"
     if bracket == '"':
@@ -106,22 +129,23 @@ ALLOWED = [
     ("src/orasp/model/a.h", "<vector>"),
     ("src/orasp/model/a.cpp", '"orasp/model/b.h"'),
     ("src/orasp/planners/a.h", '"orasp/model/b.h"'),
-    ("src/orasp/planners/a.cpp", '"orasp/planners/detail/b.h"'),
+    ("src/orasp/planners/a.cpp", '"orasp/containers/b.h"'),
+    ("src/orasp/containers/a.cpp", '"orasp/model/error.h"'),
     ("src/orasp/planners/a.cpp", "<sys/resource.h>"),
-    ("src/orasp/planners/graph_size.cpp", "<boost/multiprecision/cpp_int.hpp>"),
+    ("src/orasp/graph/graph_size.cpp", "<boost/multiprecision/cpp_int.hpp>"),
     ("src/orasp/io/a.cpp", "<nlohmann/json.hpp>"),
     ("src/orasp/io/detail/a.h", "<nlohmann/json.hpp>"),
     ("src/orasp/io/a.cpp", "<muParser.h>"),
-    ("src/orasp/io/a.cpp", '"orasp/planners/result.h"'),
+    ("src/orasp/io/a.cpp", '"orasp/task/result.h"'),
     ("src/orasp/learning/dqn.cpp", "<torch/torch.h>"),
-    ("src/orasp/planners/mip_solver_cbc.cpp", "<CbcModel.hpp>"),
-    ("src/orasp/learning/dqn.h", '"orasp/planners/result.h"'),
+    ("src/orasp/mip/mip_solver_cbc.cpp", "<CbcModel.hpp>"),
+    ("src/orasp/learning/dqn.h", '"orasp/task/result.h"'),
     ("src/orasp/catalogue.cpp", '"orasp/learning/dqn.h"'),
     ("src/orasp/orasp.h", '"orasp/catalogue.h"'),
     ("cli/main.cpp", "<CLI/CLI.hpp>"),
     ("cli/solve.cpp", '"cli/solve.h"'),
     ("cli/solve.cpp", '"orasp/catalogue.h"'),
-    ("tests/a.cpp", '"orasp/planners/detail/b.h"'),
+    ("tests/a.cpp", '"orasp/containers/b.h"'),
     ("tests/a.cpp", "<gtest/gtest.h>"),
 ]
 PLANTED = [
@@ -129,32 +153,34 @@ PLANTED = [
     ("src/orasp/model/a.cpp", '"orasp/io/b.h"'),
     ("src/orasp/model/a.cpp", "<fmt/format.h>"),
     ("src/orasp/model/a.cpp", "<unistd.h>"),
+    ("src/orasp/containers/a.cpp", '"orasp/model/problem.h"'),
+    ("src/orasp/graph/a.cpp", '"orasp/planners/b.h"'),
     ("src/orasp/planners/a.cpp", '"orasp/io/b.h"'),
     ("src/orasp/planners/a.cpp", '"orasp/learning/b.h"'),
     ("src/orasp/planners/a.cpp", '"orasp/catalogue.h"'),
     ("src/orasp/planners/a.cpp", "<boost/multiprecision/cpp_int.hpp>"),
-    ("src/orasp/planners/graph_size.h", "<boost/multiprecision/cpp_int.hpp>"),
+    ("src/orasp/graph/graph_size.h", "<boost/multiprecision/cpp_int.hpp>"),
     ("src/orasp/planners/a.h", "<sys/resource.h>"),
     ("src/orasp/io/a.h", "<nlohmann/json.hpp>"),
     ("src/orasp/io/a.h", "<nlohmann/json_fwd.hpp>"),
     ("src/orasp/io/a.h", "<fmt/format.h>"),
     ("src/orasp/io/a.h", "<muParser.h>"),
     ("src/orasp/io/a.cpp", '"orasp/catalogue.h"'),
-    ("src/orasp/io/a.cpp", '"orasp/learning/b.h"'),
+    ("src/orasp/io/a.cpp", '"orasp/planners/b.h"'),
     ("src/orasp/io/a.cpp", '"b.h"'),
     ("src/orasp/io/a.cpp", "<orasp/model/b.h>"),
     ("src/orasp/io/a.cpp", "<pugixml.hpp>"),
     ("src/orasp/learning/a.cpp", '"orasp/io/b.h"'),
     ("src/orasp/learning/dqn.h", "<torch/torch.h>"),
     ("src/orasp/catalogue.cpp", "<torch/torch.h>"),
-    ("src/orasp/planners/mip.cpp", "<CbcModel.hpp>"),
+    ("src/orasp/mip/mip.cpp", "<CbcModel.hpp>"),
     ("src/orasp/catalogue.h", "<fmt/format.h>"),
     ("src/orasp/utils/a.h", "<vector>"),
     ("cli/solve.cpp", "<CLI/CLI.hpp>"),
-    ("cli/solve.cpp", '"orasp/planners/detail/b.h"'),
+    ("cli/solve.cpp", '"orasp/containers/b.h"'),
     ("cli/solve.cpp", '"tests/a.h"'),
-    ("benchmarks/a.cpp", '"orasp/planners/detail/b.h"'),
-    ("examples/consumer/main.cpp", '"orasp/planners/detail/b.h"'),
+    ("benchmarks/a.cpp", '"orasp/containers/b.h"'),
+    ("examples/consumer/main.cpp", '"orasp/containers/b.h"'),
     ("tests/a.cpp", "<CLI/CLI.hpp>"),
 ]
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "orasp/learning/network.h"
-#include "orasp/model/fleet_expander.h"
+#include "orasp/fleet/fleet_expander.h"
 #include "orasp/planners/automatic.h"
-#include "orasp/planners/mip_solver.h"
+#include "orasp/mip/mip_solver.h"
 #include "orasp/planners/uncertain.h"
 
 namespace orasp {

@@ -5,8 +5,8 @@
 
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
-#include "orasp/model/fleet_validate.h"
-#include "orasp/planners/fleet_search.h"
+#include "orasp/fleet/fleet_validate.h"
+#include "orasp/fleet/fleet_search.h"
 #include "tests/fault.h"
 
 namespace orasp {

@@ -11,7 +11,7 @@
 
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/validate.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/graph/state_graph.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
 #include "tests/oracle.h"

@@ -14,8 +14,8 @@
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/validate.h"
-#include "orasp/planners/graph_size.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/graph/graph_size.h"
+#include "orasp/graph/state_graph.h"
 #include "tests/oracle.h"
 
 namespace orasp {

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "orasp/model/fleet.h"
-#include "orasp/planners/fleet_result.h"
+#include "orasp/fleet/fleet.h"
+#include "orasp/fleet/fleet_result.h"
 
 namespace orasp {
 
@@ -27,7 +27,7 @@ struct FleetPlanFile {
 [[nodiscard]] bool is_fleet_plan(std::string_view text);
 
 /// Reads a plan file of a fleet. Only form and names are checked; whether the plan keeps the rules says evaluate() of
-/// model/fleet_validate.h. @throws InputError: `steps[2].moves[0].parts[1]: no part "77"; parts are "1" to "9"`.
+/// fleet/fleet_validate.h. @throws InputError: `steps[2].moves[0].parts[1]: no part "77"; parts are "1" to "9"`.
 [[nodiscard]] FleetPlanFile parse_fleet_plan(std::string_view text, const FleetProblem& fleet);
 
 }  // namespace orasp

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "orasp/planners/mip_model.h"
+#include "orasp/mip/mip_model.h"
 
 namespace orasp {
 

@@ -16,7 +16,7 @@
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/validate.h"
-#include "orasp/planners/plan_order.h"
+#include "orasp/explain/plan_order.h"
 
 namespace orasp {
 namespace {

@@ -7,14 +7,14 @@
 
 #include "orasp/model/problem.h"
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/alternatives.h"
-#include "orasp/planners/result.h"
+#include "orasp/explain/alternatives.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 
 /// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the sequence by
 /// evaluate() of the model, not taken from the planner. `options` are the caller's settings that shaped the result,
-/// name to value, already JSON texts. `order` is what of the plan's order matters (planners/plan_order.h). `alternatives`: what else is known of the best
+/// name to value, already JSON texts. `order` is what of the plan's order matters (explain/plan_order.h). `alternatives`: what else is known of the best
 /// plans, if asked for. Ends with a newline.
 [[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
                                     const std::map<std::string, std::string>& options,

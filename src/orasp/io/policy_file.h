@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "orasp/planners/policy.h"
+#include "orasp/learning/policy.h"
 
 namespace orasp {
 

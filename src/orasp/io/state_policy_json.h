@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

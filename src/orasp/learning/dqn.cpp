@@ -11,7 +11,7 @@
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/planner_support.h"
 #include "orasp/planners/greedy.h"
 
 namespace orasp {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/policy.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/budget.h"
+#include "orasp/learning/policy.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "orasp/planners/policy.h"
+#include "orasp/learning/policy.h"
 
 namespace orasp {
 

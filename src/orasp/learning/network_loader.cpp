@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "orasp/learning/network.h"
-#include "orasp/planners/detail/module_loader.h"
+#include "orasp/containers/module_loader.h"
 
 namespace orasp {
 

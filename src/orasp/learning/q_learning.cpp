@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/detail/growing_array.h"
-#include "orasp/planners/detail/planner_support.h"
-#include "orasp/planners/detail/state_table.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/containers/state_table.h"
 
 namespace orasp {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/bounds.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
+#include "orasp/bounds/bounds.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

@@ -70,7 +70,7 @@ struct Limits {
   std::optional<double> max_moved_mass;  ///< kg
 };
 
-/// Robots, depot and sites of a fleet problem (model/fleet.h). Kept, written and digested with the problem; the
+/// Robots, depot and sites of a fleet problem (fleet/fleet.h). Kept, written and digested with the problem; the
 /// planners for one robot do not use it.
 struct Fleet {
   std::size_t robots = 1;

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "orasp/planners/detail/growing_array.h"
-#include "orasp/planners/detail/planner_support.h"
-#include "orasp/planners/detail/state_table.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/containers/state_table.h"
+#include "orasp/graph/state_graph.h"
 
 namespace orasp {
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/bounds.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
+#include "orasp/bounds/bounds.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 
@@ -14,7 +14,7 @@ struct AStarOptions {
 /// Finds an optimal plan by A*: expands the state whose path so far and bound on the rest promise most.
 ///
 /// Idea.       f(s) = g(s) + h(s), g the best reward from the start and h an upper bound on what is left
-///             (planners/bounds.h). Nothing that promises less than the optimum is ever expanded. All paths to a state
+///             (bounds/bounds.h). Nothing that promises less than the optimum is ever expanded. All paths to a state
 ///             have the same length, and h is consistent, so a state is expanded once but for rounding. Values of f that
 ///             differ by less than kRewardTolerance are equal, and among equals the state nearest to the goal comes
 ///             first, then the latest.

@@ -13,11 +13,11 @@
 
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/bounds.h"
-#include "orasp/planners/detail/growing_array.h"
-#include "orasp/planners/detail/parallel.h"
-#include "orasp/planners/detail/planner_support.h"
-#include "orasp/planners/detail/state_table.h"
+#include "orasp/bounds/bounds.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/containers/parallel.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/containers/state_table.h"
 #include "orasp/planners/greedy.h"
 
 namespace orasp {

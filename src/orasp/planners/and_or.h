@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 
@@ -24,7 +24,7 @@ struct AndOrOptions {
 ///             gain of a piece S is V(S) = max over legal cuts of S into connected A and B of gain(A, B) + V(A) + V(B):
 ///             a choice of one cut (OR) that leaves both sides to solve (AND). Connected sets of parts are exponentially
 ///             fewer than the states of H, where every piece stands beside every state of the others.
-/// Idea.       Depth first with a memory. Loss L(S) = g(S) - V(S) >= 0 against the bound g of planners/bounds.h; a cut is
+/// Idea.       Depth first with a memory. Loss L(S) = g(S) - V(S) >= 0 against the bound g of bounds/bounds.h; a cut is
 ///             followed only while its own loss and the lower bounds on the losses of its sides stay within a budget,
 ///             which grows from 0 at the root (iterative deepening); sizes of A that lose more are never listed. Within
 ///             max_subassemblies one side is finished before the other is begun, which needs the fewest at a time

@@ -9,11 +9,11 @@
 
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
-#include "orasp/planners/bounds.h"
+#include "orasp/bounds/bounds.h"
 #include "orasp/planners/dense_value_iteration.h"
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/planner_support.h"
 #include "orasp/planners/greedy.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/graph/state_graph.h"
 #include "orasp/planners/value_iteration.h"
 
 namespace orasp {

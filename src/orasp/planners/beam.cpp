@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "orasp/planners/detail/parallel.h"
-#include "orasp/planners/detail/planner_support.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/containers/parallel.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/graph/state_graph.h"
 
 namespace orasp {
 

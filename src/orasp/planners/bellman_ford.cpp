@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

@@ -15,11 +15,11 @@
 
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/error.h"
-#include "orasp/planners/bounds.h"
-#include "orasp/planners/detail/growing_array.h"
-#include "orasp/planners/detail/parallel.h"
-#include "orasp/planners/detail/planner_support.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/bounds/bounds.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/containers/parallel.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/graph/state_graph.h"
 
 namespace orasp {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

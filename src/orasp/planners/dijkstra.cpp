@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "orasp/planners/detail/indexed_heap.h"
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/containers/indexed_heap.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
-#include "orasp/planners/state_graph.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
+#include "orasp/graph/state_graph.h"
 
 namespace orasp {
 

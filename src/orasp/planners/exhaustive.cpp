@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

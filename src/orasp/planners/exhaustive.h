@@ -1,8 +1,8 @@
 #pragma once
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "orasp/planners/detail/depth_first_plan.h"
+#include "orasp/planners/depth_first_plan.h"
 
 namespace orasp {
 

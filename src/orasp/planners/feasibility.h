@@ -5,8 +5,8 @@
 
 #include "orasp/model/connection_set.h"
 #include "orasp/model/problem.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "orasp/planners/detail/depth_first_plan.h"
+#include "orasp/planners/depth_first_plan.h"
 
 namespace orasp {
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "orasp/planners/bounds.h"
-#include "orasp/planners/detail/planner_support.h"
-#include "orasp/planners/detail/state_table.h"
+#include "orasp/bounds/bounds.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/containers/state_table.h"
 #include "orasp/planners/random_sequence.h"
 
 namespace orasp {

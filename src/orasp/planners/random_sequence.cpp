@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/detail/depth_first_plan.h"
+#include "orasp/planners/depth_first_plan.h"
 
 namespace orasp {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "orasp/model/transition_system.h"
-#include "orasp/planners/budget.h"
-#include "orasp/planners/detail/growing_array.h"
-#include "orasp/planners/detail/state_table.h"
-#include "orasp/planners/result.h"
+#include "orasp/task/budget.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/containers/state_table.h"
+#include "orasp/task/result.h"
 #include "orasp/planners/value_iteration.h"
 
 namespace orasp {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "orasp/planners/dense_value_iteration.h"
-#include "orasp/planners/detail/parallel.h"
-#include "orasp/planners/detail/planner_support.h"
+#include "orasp/containers/parallel.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

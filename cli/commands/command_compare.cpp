@@ -1,0 +1,337 @@
+#include "cli/commands/command_compare.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/exit_codes.h"
+#include "cli/output/fleet_summary.h"
+#include "cli/output/json_output.h"
+#include "cli/output/progress.h"
+#include "cli/output/text.h"
+#include "orasp/io/atomic_file.h"
+
+namespace orasp::cli {
+namespace {
+
+/// One method on one problem. Without a result the method refused the problem, and `message` says
+/// why.
+struct Row {
+  std::string problem;
+  std::string method;
+  bool exact = false;
+  std::optional<Result> result;
+  std::string message;
+  /// Of a method for fleets, whose result then holds its reward, bound and figures but no sequence.
+  std::optional<FleetResult> fleet = {};
+
+  [[nodiscard]] std::string status() const {
+    return result ? std::string(status_name(result->status)) : std::string("refused");
+  }
+  /// For people: a proved optimum needs no words.
+  [[nodiscard]] std::string note() const {
+    return result && result->status == Status::Optimal ? std::string() : message;
+  }
+  [[nodiscard]] bool has_plan() const { return result && result->has_plan(); }
+  [[nodiscard]] std::optional<double> reward() const {
+    return has_plan() ? std::optional(result->reward) : std::nullopt;
+  }
+  [[nodiscard]] std::optional<double> bound() const {
+    return result && result->bound && std::isfinite(*result->bound) ? result->bound : std::nullopt;
+  }
+};
+
+/// Where no methods are named, and the problem has a fleet: every method for fleets, unless an objective of one robot
+/// is asked for. Else every exact method for one robot.
+std::vector<const Planner*> all_methods(const Problem& problem, const CompareOptions& options) {
+  const bool for_fleet =
+      problem.spec().fleet &&
+      (!options.changes.objective || fleet_objective_called(*options.changes.objective));
+  std::vector<const Planner*> chosen;
+  for (const Planner& planner : planners()) {
+    // The integer program is a baseline that takes minutes where the others take milliseconds.
+    if (!planner.available() || planner.name == "auto" || planner.name == "mip") continue;
+    if (for_fleet ? planner.run_fleet != nullptr : planner.exact && planner.run != nullptr)
+      chosen.push_back(&planner);
+  }
+  return chosen;
+}
+
+std::vector<const Planner*> named_methods(const std::string& names) {
+  std::vector<const Planner*> chosen;
+  if (names.empty()) return chosen;
+  for (const std::string& name : comma_separated(names)) {
+    const Planner* const planner = &planner_named(name);
+    if (std::ranges::find(chosen, planner) == chosen.end()) chosen.push_back(planner);
+  }
+  return chosen;
+}
+
+std::string message_of(const Result& result) {
+  std::string text = stop_text(result.stop);
+  for (const std::string& note : result.notes) text += (text.empty() ? "" : "; ") + note;
+  return text;
+}
+
+FleetResult run_fleet(const Problem& problem, const Planner& planner, const CompareOptions& options,
+                      const Budget& budget) {
+  const FleetProblem fleet(problem);
+  FleetOptions chosen{.objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
+  if (options.changes.objective)
+    chosen.objective = *fleet_objective_called(*options.changes.objective);
+  FleetResult result = solve_fleet(fleet, planner.name, chosen, budget);
+  require_valid(fleet, result);
+  return result;
+}
+
+/// What the table shows of it.
+Result figures_of(const FleetResult& fleet) {
+  Result result;
+  result.method = fleet.method;
+  result.status = fleet.status;
+  result.stop = fleet.stop;
+  result.reward = fleet.reward;
+  result.bound = fleet.bound;
+  result.statistics = fleet.statistics;
+  result.notes = fleet.notes;
+  return result;
+}
+
+Row row_of(const Problem& problem, const std::string& name, const Planner& planner,
+           const CompareOptions& options, const Context& context) {
+  Row row{.problem = name,
+          .method = std::string(planner.name),
+          .exact = planner.exact,
+          .result = {},
+          .message = {}};
+  ProgressLine progress(context, printable(name) + ", " + row.method);
+  Budget budget = make_budget(options.limits);
+  progress.attach_to(budget);
+  Options planner_options;
+  planner_options.seed = options.seed;
+  try {
+    if (plans_for_fleet(planner, problem, options.changes.objective)) {
+      row.fleet = run_fleet(problem, planner, options, budget);
+      row.result = figures_of(*row.fleet);
+    } else {
+      ProblemChanges objective;
+      objective.objective = options.changes.objective;
+      row.result = solve(changed(problem, objective), planner.name, planner_options, budget);
+      row.result->values = {};
+    }
+    row.message = message_of(*row.result);
+  } catch (const InputError& error) {
+    row.message = error.what();
+  }
+  return row;
+}
+
+/// Whether what `proof` proves speaks of plans such as that of `other`.
+bool comparable(const Row& proof, const Row& other) {
+  if (proof.fleet.has_value() != other.fleet.has_value()) return false;
+  if (!proof.fleet || !proof.fleet->steps_allowed) return true;
+  return other.fleet->plan.makespan() <= *proof.fleet->steps_allowed;  // the least travel in so many steps
+}
+
+/// Rows of one problem that contradict each other, in a sentence; empty if none do. A proved
+/// optimum is the greatest reward of all, whoever finds it.
+std::string contradiction(const std::vector<Row>& rows, const std::string& problem) {
+  constexpr double kTolerance = 1e-9;
+  for (const Row& proof : rows) {
+    if (proof.problem != problem || !proof.result) continue;
+    for (const Row& other : rows) {
+      if (other.problem != problem || !other.has_plan() || !comparable(proof, other)) continue;
+      const double reward = other.result->reward;
+      if (proof.result->status == Status::Infeasible)
+        return fmt::format("{} proves that there is no plan and {} has one", proof.method,
+                           other.method);
+      if (proof.result->status != Status::Optimal) continue;
+      const double slack = kTolerance * std::max(1.0, std::abs(reward));
+      const bool better = reward > proof.result->reward + slack;
+      const bool worse =
+          other.result->status == Status::Optimal && reward < proof.result->reward - slack;
+      if (better || worse)
+        return fmt::format("{} proves the optimum {} and {} finds {}", proof.method,
+                           proof.result->reward, other.method, reward);
+    }
+  }
+  return {};
+}
+
+nlohmann::ordered_json as_json(const std::vector<Row>& rows) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  const auto number = [](std::optional<double> value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  for (const Row& row : rows) {
+    const Statistics statistics = row.result ? row.result->statistics : Statistics();
+    list.push_back({{"problem", row.problem},
+                    {"method", row.method},
+                    {"status", row.status()},
+                    {"reward", number(row.reward())},
+                    {"bound", number(row.bound())},
+                    {"seconds", statistics.seconds},
+                    {"states", statistics.states},
+                    {"actions", statistics.actions},
+                    {"expanded", statistics.expanded},
+                    {"generated", statistics.generated},
+                    {"pruned", statistics.pruned},
+                    {"message", row.message}});
+    if (row.fleet && row.has_plan()) {
+      list.back()["makespan"] = row.fleet->plan.makespan();
+      list.back()["travel"] = row.fleet->plan.travel();
+    }
+  }
+  return {{"rows", std::move(list)}};
+}
+
+/// A cell of RFC 4180: in quotes if it holds a comma, a quote or a line break; quotes doubled.
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string cell = "\"";
+  for (const char c : text) {
+    cell += c;
+    if (c == '"') cell += c;
+  }
+  return cell + '"';
+}
+
+std::string as_csv(const std::vector<Row>& rows) {
+  const bool any_fleet = std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
+  std::string text =
+      "problem,method,status,reward,bound,seconds,states,actions,expanded,generated,pruned,message";
+  text += any_fleet ? ",makespan,travel\n" : "\n";
+  const auto number = [](std::optional<double> value) {
+    return value ? fmt::to_string(*value) : std::string();
+  };
+  for (const Row& row : rows) {
+    const Statistics statistics = row.result ? row.result->statistics : Statistics();
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(row.problem), row.method,
+                        row.status(), number(row.reward()), number(row.bound()), statistics.seconds,
+                        statistics.states, statistics.actions, statistics.expanded,
+                        statistics.generated, statistics.pruned, csv_cell(row.message));
+    if (any_fleet) {
+      text += row.fleet && row.has_plan() ? fmt::format(",{},{}", row.fleet->plan.makespan(),
+                                                        row.fleet->plan.travel())
+                                          : ",,";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+TextTable as_table(const std::vector<Row>& rows) {
+  std::vector<double> rewards;
+  for (const Row& row : rows) {
+    if (row.has_plan()) rewards.push_back(row.result->reward);
+  }
+  const std::vector<std::string> reward_texts = aligned_numbers(rewards);
+  const bool any_message =
+      std::ranges::any_of(rows, [](const Row& row) { return !row.note().empty(); });
+
+  const bool any_fleet = std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
+
+  TextTable table;
+  table.add_column("problem", TextTable::Align::Left);
+  table.add_column("method", TextTable::Align::Left);
+  table.add_column("status", TextTable::Align::Left);
+  table.add_column("reward", TextTable::Align::Right);
+  if (any_fleet) {
+    table.add_column("makespan", TextTable::Align::Right);
+    table.add_column("travel", TextTable::Align::Right);
+  }
+  table.add_column("seconds", TextTable::Align::Right);
+  table.add_column("states", TextTable::Align::Right);
+  if (any_message) table.add_column("note", TextTable::Align::Left);
+  std::size_t next_reward = 0;
+  for (const Row& row : rows) {
+    std::string seconds = row.result ? seconds_text(row.result->statistics.seconds) : "-";
+    if (seconds.ends_with(" s")) seconds.resize(seconds.size() - 2);
+    std::vector<std::string> cells = {
+        row.problem,        row.method,
+        row.status(),       row.has_plan() ? reward_texts[next_reward++] : "-",
+        std::move(seconds), row.result ? grouped(row.result->statistics.states) : "-"};
+    if (any_fleet) {
+      const bool has_figures = row.fleet && row.has_plan();
+      const std::vector<std::string> figures = {
+          has_figures ? fmt::to_string(row.fleet->plan.makespan()) : "-",
+          has_figures ? number_text(row.fleet->plan.travel()) : "-"};
+      cells.insert(cells.begin() + 4, figures.begin(), figures.end());
+    }
+    if (any_message) cells.push_back(row.note());
+    table.add_row(std::move(cells));
+  }
+  return table;
+}
+
+std::vector<Problem> load_all(const CompareOptions& options, const Context& context) {
+  if (std::ranges::count(options.problems, "-") > 1)
+    throw InputError("only one PROBLEM can be read from standard input");
+  ProblemChanges changes = options.changes;
+  if (changes.objective && fleet_objective_called(*changes.objective))
+    changes.objective.reset();  // methods for one robot get it, or refuse it, one by one
+  std::vector<Problem> problems;
+  for (const std::string& name : options.problems)
+    problems.push_back(load_fleet_problem(name, changes, context));
+  return problems;
+}
+
+/// Runs the methods on one problem and adds their rows. Where the methods were not named, those
+/// that refuse are left out, unless all do. @returns false when it was interrupted.
+bool add_rows(const Problem& problem, const std::string& name,
+              const std::vector<const Planner*>& methods, const CompareOptions& options,
+              const Context& context, std::vector<Row>& rows) {
+  std::vector<Row> refused;
+  const std::size_t before = rows.size();
+  for (const Planner* const planner : methods) {
+    Row row = row_of(problem, name, *planner, options, context);
+    const bool interrupted = row.result && row.result->stop == Stop::Cancelled;
+    std::vector<Row>& list = row.result || !options.methods.empty() ? rows : refused;
+    list.push_back(std::move(row));
+    if (interrupted) return false;
+  }
+  if (rows.size() == before) std::ranges::move(refused, std::back_inserter(rows));
+  return true;
+}
+
+}  // namespace
+
+int run(const CompareOptions& options, const Context& context) {
+  if (std::ranges::count(std::array{options.json, options.csv, options.markdown}, true) > 1)
+    throw InputError("only one of --json, --csv and --markdown can be given");
+  const std::vector<const Planner*> methods = named_methods(options.methods);
+  const std::vector<Problem> problems = load_all(options, context);
+
+  std::vector<Row> rows;
+  bool interrupted = false;
+  for (std::size_t i = 0; i < problems.size() && !interrupted; ++i)
+    interrupted = !add_rows(problems[i], options.problems[i],
+                            methods.empty() ? all_methods(problems[i], options) : methods, options,
+                            context, rows);
+
+  if (options.csv || options.markdown) {
+    const std::string table = options.csv ? as_csv(rows) : as_table(rows).markdown();
+    if (!options.output.empty()) write_file(options.output, table);
+    context.print(table);
+  } else {
+    print_result(context, options.output, options.json, as_json(rows),
+                 [&] { return as_table(rows).text(context.colour()); });
+  }
+
+  for (const std::string& problem : options.problems) {
+    const std::string found = contradiction(rows, problem);
+    if (!found.empty()) {
+      print_error(
+          fmt::format("internal error: METHODS DISAGREE on {}: {}", printable(problem), found));
+      return kInternalError;
+    }
+  }
+  return interrupted ? kStopped : kSolved;
+}
+
+}  // namespace orasp::cli

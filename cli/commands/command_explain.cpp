@@ -1,0 +1,272 @@
+#include "cli/commands/command_explain.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/output/conflict.h"
+#include "cli/exit_codes.h"
+#include "cli/output/json_output.h"
+#include "cli/output/progress.h"
+#include "cli/output/text.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/explain/explain.h"
+
+namespace orasp::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kRefusalsShown = 20;
+
+std::vector<std::string> connection_ids(const Problem& problem,
+                                        const std::vector<ConnectionIndex>& connections) {
+  std::vector<std::string> ids;
+  for (const ConnectionIndex c : connections) ids.push_back(problem.connection_id(c));
+  return ids;
+}
+
+/// At most `width` columns of `text`, control characters made harmless.
+std::string cut(std::string_view text, std::size_t width) {
+  constexpr std::string_view kMore = " ...";
+  std::string line = printable(text);
+  if (display_width(line) <= width || width <= kMore.size()) return line;
+  std::size_t columns = 0;
+  std::size_t end = 0;
+  while (end < line.size()) {
+    const bool starts = (static_cast<unsigned char>(line[end]) & 0xc0U) != 0x80U;
+    if (starts && columns++ == width - kMore.size()) break;
+    ++end;
+  }
+  return line.substr(0, end).append(kMore);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The whole problem
+
+/// Which connections cannot be the first, and one reason each.
+std::string refusals_text(const Problem& problem, const Context& context) {
+  const TransitionSystem system(problem);
+  Expander expander(system);
+  const ConnectionSet start = system.start();
+  std::vector<std::pair<ConnectionIndex, Violation>> refused;
+  std::vector<bool> legal(problem.num_connections(), false);
+  for (const Action& action : expander.legal_actions(start.view())) legal[action.connection] = true;
+  std::size_t count = 0;
+  std::size_t width = 0;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if (legal[c]) continue;
+    if (count++ >= kRefusalsShown) continue;
+    refused.emplace_back(c, expander.violations(start.view(), c).front());
+    width = std::max(width, display_width(printable(problem.connection_id(c))));
+  }
+  if (problem.num_connections() == 0) return "there is no connection, so the plan is empty\n";
+  if (count == 0) return "every connection may go first\n";
+  std::string text =
+      fmt::format("{} may go first, {} may not:\n",
+                  counted(problem.num_connections() - count, "connection"), grouped(count));
+  for (const auto& [c, violation] : refused) {
+    const std::string id = printable(problem.connection_id(c));
+    const std::string head = "  " + id + std::string(width - display_width(id) + 2, ' ') +
+                             std::string(constraint_name(violation.constraint)) + ": ";
+    const std::size_t room =
+        context.width() > display_width(head) + 20 ? context.width() - display_width(head) : 20;
+    text += head + cut(violation.message, room) + '\n';
+  }
+  if (count > kRefusalsShown)
+    text += fmt::format("  ... and {} more\n", grouped(count - kRefusalsShown));
+  return text;
+}
+
+int explain_all(const Problem& problem, const ExplainOptions& options, const Context& context) {
+  ProblemExplanation found;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", explain");
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    found = explain_problem(problem, budget);
+  }
+  ordered_json document = {{"status", status_name(found.status)},
+                           {"conflict", conflict_json(found.conflict)}};
+  if (found.status == Status::Infeasible) document["minimal"] = found.minimal;
+  document["tests"] = found.tests;
+  if (found.stop != Stop::None) document["stopped"] = stop_name(found.stop);
+  print_result(context, options.output, options.json, document, [&] {
+    const std::string head = title(problem, options.problem) + ": ";
+    if (found.status == Status::Infeasible) return head + conflict_text(found);
+    if (found.status == Status::Unknown)
+      return head + "not decided whether a plan exists: " + stop_text(found.stop) + '\n';
+    return head + "a plan exists\n\n" + refusals_text(problem, context);
+  });
+  if (found.status == Status::Infeasible) return kNoPlan;
+  return found.status == Status::Unknown ? kStopped : kSolved;
+}
+
+// ------------------------------------------------------------------------------------------------
+// One connection
+
+/// The state before the step at hand: the plan's steps before it are done.
+ConnectionSet state_in_plan(const Problem& problem, const ExplainOptions& options,
+                            const Context& context) {
+  const TransitionSystem system(problem);
+  ConnectionSet open = system.start();
+  if (!options.plan) return open;
+  const PlanFile plan = read_plan(*options.plan, problem.direction());
+  if (!plan.problem_digest.empty() && plan.problem_digest != problem_digest(problem))
+    context.warn("the plan was made for another problem: its problem_digest differs");
+  const std::size_t step = options.step.value_or(1);
+  if (step > plan.sequence.size() + 1)
+    throw InputError(fmt::format("--step: the plan has only {}, so step {} is not in it",
+                                 counted(plan.sequence.size(), "step"), step));
+  Expander expander(system);
+  bool warned = false;
+  for (std::size_t i = 0; i + 1 < step; ++i) {
+    const std::string place = fmt::format("{}: step {}", *options.plan, i + 1);
+    const ConnectionIndex c = problem.find_connection(plan.sequence[i], place);
+    if (!open.contains(c))
+      throw InputError(
+          fmt::format("{}: {} is handled a second time", place, in_quotes(plan.sequence[i])));
+    const auto violations = expander.violations(open.view(), c);
+    if (!violations.empty() && !warned) {
+      context.warn(fmt::format("step {} of the plan is not legal: {}", i + 1,
+                               printable(violations.front().message)));
+      warned = true;
+    }
+    open.erase(c);
+  }
+  return open;
+}
+
+ordered_json changes_json(const Problem& problem, const ConnectionExplanation& found) {
+  ordered_json changes = ordered_json::array();
+  const auto parts = [&](const std::vector<PartIndex>& indices) {
+    ordered_json ids = ordered_json::array();
+    for (const PartIndex part : indices) ids.push_back(problem.part_id(part));
+    return ids;
+  };
+  for (const Remedy& remedy : found.remedies) {
+    ordered_json change = {{"constraint", constraint_name(remedy.constraint)},
+                           {"where", remedy.where},
+                           {"message", remedy.message}};
+    if (!remedy.first.empty()) change["first"] = connection_ids(problem, remedy.first);
+    if (remedy.least) {
+      const bool is_mass = remedy.constraint == Constraint::MaxMovedMass;
+      change["least"] = is_mass ? ordered_json(*remedy.least)
+                                : ordered_json(static_cast<std::uint64_t>(*remedy.least));
+    }
+    for (const BlockedDirection& direction : remedy.directions) {
+      ordered_json entries = ordered_json::array();
+      for (const std::size_t entry : direction.entries)
+        entries.push_back(fmt::format("blocking.blocked[{}]", entry));
+      change["directions"].push_back({{"direction", direction.direction},
+                                      {"parts", parts(direction.moved)},
+                                      {"in_the_way", parts(direction.in_the_way)},
+                                      {"entries", std::move(entries)}});
+    }
+    changes.push_back(std::move(change));
+  }
+  return changes;
+}
+
+ordered_json connection_json(const Problem& problem, const std::string& id, std::uint64_t step,
+                             const ConnectionExplanation& found) {
+  ordered_json document = {{"status", found.legal ? "legal" : "illegal"},
+                           {"conflict", conflict_json(found.violations)},
+                           {"connection", id},
+                           {"step", step}};
+  if (found.legal) {
+    document["plan_exists"] =
+        found.plan_exists ? ordered_json(*found.plan_exists) : ordered_json(nullptr);
+    return document;
+  }
+  document["changes"] = changes_json(problem, found);
+  const bool later = found.later == ConnectionExplanation::Later::Legal;
+  document["legal_later"] = found.later == ConnectionExplanation::Later::Unknown
+                                ? ordered_json(nullptr)
+                                : ordered_json(later);
+  document["legal_after"] =
+      later ? ordered_json(connection_ids(problem, found.after)) : ordered_json(nullptr);
+  if (later) document["fewest"] = found.fewest;
+  return document;
+}
+
+std::string connection_text(const Problem& problem, const ExplainOptions& options,
+                            const ConnectionExplanation& found, const Context& context) {
+  const bool assembly = problem.direction() == Direction::Assembly;
+  const std::string when =
+      options.plan ? fmt::format("at step {}", options.step.value_or(1)) : "first";
+  std::string text = fmt::format("{}: {} {} be {} {}\n", title(problem, options.problem),
+                                 in_quotes(*options.connection), found.legal ? "may" : "cannot",
+                                 assembly ? "made" : "removed", when);
+  if (found.legal) {
+    text += !found.plan_exists   ? "whether a plan goes on from there is not decided\n"
+            : *found.plan_exists ? "a plan goes on from there\n"
+                                 : "but no plan goes on from there: it is a dead end\n";
+    return text;
+  }
+  text += '\n';
+  for (std::size_t i = 0; i < found.violations.size(); ++i) {
+    const Violation& violation = found.violations[i];
+    text += fmt::format("  {}: {}\n    {}\n",
+                        violation.where.empty() ? constraint_name(violation.constraint)
+                                                : std::string_view(violation.where),
+                        printable(violation.message), printable(found.remedies[i].message));
+    const std::vector<BlockedDirection>& directions = found.remedies[i].directions;
+    for (std::size_t d = 1; d < directions.size(); ++d) {
+      std::vector<std::string> in_the_way;
+      for (const PartIndex part : directions[d].in_the_way)
+        in_the_way.push_back(problem.part_id(part));
+      text += fmt::format("    along {}: {}\n", directions[d].direction,
+                          capped_list(in_the_way, context.width() - 16));
+    }
+  }
+  text += '\n';
+  switch (found.later) {
+    case ConnectionExplanation::Later::Legal:
+      text +=
+          fmt::format("it becomes legal after {}{}:\n{}", counted(found.after.size(), "other step"),
+                      found.fewest ? ", and after no fewer" : "",
+                      wrapped_list(connection_ids(problem, found.after), 2, context.width()));
+      break;
+    case ConnectionExplanation::Later::Never: text += "no other steps make it legal\n"; break;
+    case ConnectionExplanation::Later::Unknown:
+      text += "whether other steps make it legal is not decided\n";
+      break;
+  }
+  return text;
+}
+
+int explain_one(const Problem& problem, const ExplainOptions& options, const Context& context) {
+  const ConnectionIndex connection = problem.find_connection(*options.connection, "--connection");
+  const ConnectionSet open = state_in_plan(problem, options, context);
+  ConnectionExplanation found;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", explain");
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    found = explain_connection(problem, open, connection, budget);
+  }
+  print_result(context, options.output, options.json,
+               connection_json(problem, *options.connection, options.step.value_or(1), found),
+               [&] { return connection_text(problem, options, found, context); });
+  return found.legal ? kSolved : kNoPlan;
+}
+
+}  // namespace
+
+int run(const ExplainOptions& options, const Context& context) {
+  if (options.plan && !options.connection)
+    throw InputError("--plan needs --connection, the connection to explain");
+  if (options.step && !options.plan) throw InputError("--step needs --plan, the plan it counts in");
+  if (options.problem == "-" && options.plan == "-")
+    throw InputError("PROBLEM and --plan cannot both be read from standard input");
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  return options.connection ? explain_one(problem, options, context)
+                            : explain_all(problem, options, context);
+}
+
+}  // namespace orasp::cli

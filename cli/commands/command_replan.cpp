@@ -1,0 +1,319 @@
+#include "cli/commands/command_replan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/output/conflict.h"
+#include "cli/exit_codes.h"
+#include "cli/output/json_output.h"
+#include "cli/output/plan_summary.h"
+#include "cli/output/progress.h"
+#include "cli/output/text.h"
+#include "orasp/io/atomic_file.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/model/validate.h"
+#include "orasp/planners/automatic.h"
+#include "orasp/execution/replanner.h"
+#include "orasp/planners/uncertain.h"
+
+namespace orasp::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Calls visit(id) for the ids of an option; none for an empty list.
+template <class Visit>
+void for_each_id(const std::string& list, Visit&& visit) {
+  if (list.empty()) return;
+  for (const std::string& id : comma_separated(list)) visit(id);
+}
+
+ConnectionSet connections_called(const Problem& problem, const std::string& list,
+                                 const std::string& option) {
+  ConnectionSet set(problem.num_connections());
+  for_each_id(list,
+              [&](const std::string& id) { set.insert(problem.find_connection(id, option)); });
+  return set;
+}
+
+/// All connections of the parts.
+ConnectionSet connections_of_parts(const Problem& problem, const std::string& list,
+                                   const std::string& option) {
+  ConnectionSet set(problem.num_connections());
+  for_each_id(list, [&](const std::string& id) {
+    const PartIndex part = problem.find_part(id, option);
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      if (std::ranges::count(problem.ends(c), part) > 0) set.insert(c);
+    }
+  });
+  return set;
+}
+
+void insert_all(ConnectionSet& set, const ConnectionSet& others) {
+  for_each_connection(others.view(), [&](ConnectionIndex c) { set.insert(c); });
+}
+
+std::vector<ConnectionIndex> old_sequence(const Problem& problem, const ReplanOptions& options,
+                                          const Context& context) {
+  const PlanFile plan = read_plan(*options.plan, problem.direction());
+  if (!plan.problem_digest.empty() && plan.problem_digest != problem_digest(problem))
+    context.warn("the plan was made for another problem: its problem_digest differs");
+  std::vector<ConnectionIndex> sequence;
+  ConnectionSet met(problem.num_connections());
+  for (std::size_t i = 0; i < plan.sequence.size(); ++i) {
+    const std::string place = fmt::format("{}: step {}", *options.plan, i + 1);
+    const ConnectionIndex c = problem.find_connection(plan.sequence[i], place);
+    if (met.contains(c)) {
+      throw InputError(
+          fmt::format("{}: {} is handled a second time", place, in_quotes(plan.sequence[i])));
+    }
+    met.insert(c);
+    sequence.push_back(c);
+  }
+  if (options.done.value_or(0) > sequence.size()) {
+    throw InputError(fmt::format("--done: the plan has only {}, so {} cannot be done",
+                                 counted(sequence.size(), "step"), *options.done));
+  }
+  return sequence;
+}
+
+/// What became of the steps of the old plan that were still to come.
+struct Changes {
+  std::vector<ConnectionIndex> kept;     ///< in the order of both plans
+  std::vector<ConnectionIndex> moved;    ///< in both plans, in the order of the new one
+  std::vector<ConnectionIndex> dropped;  ///< of the old plan alone
+  std::vector<ConnectionIndex> added;    ///< of the new plan alone
+  std::optional<double>
+      before;  ///< what the old steps would have earned; empty where they break a rule
+  std::optional<double> price;  ///< that less what the new plan earns
+};
+
+/// As many steps kept as can be: a longest increasing subsequence of old places. Reference: Schensted (1961), Canadian
+/// J. Math. 13, 179-191. O(n log n).
+void split_common(std::span<const ConnectionIndex> sequence, std::span<const std::size_t> old_place,
+                  Changes& changes) {
+  std::vector<std::size_t> ends;  // by length - 1: step of the new plan that ends the best run
+  std::vector<std::size_t> before(sequence.size(), sequence.size());
+  std::vector<std::size_t> common;  // steps of the new plan that the old one has too
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    const std::size_t place = old_place[sequence[i]];
+    if (place == old_place.size()) {
+      changes.added.push_back(sequence[i]);
+      continue;
+    }
+    common.push_back(i);
+    const auto at = std::ranges::lower_bound(
+        ends, place, {}, [&](std::size_t step) { return old_place[sequence[step]]; });
+    if (at != ends.begin()) before[i] = *(at - 1);
+    if (at == ends.end()) {
+      ends.push_back(i);
+    } else {
+      *at = i;
+    }
+  }
+  std::vector<bool> kept(sequence.size(), false);
+  for (std::size_t i = ends.empty() ? sequence.size() : ends.back(); i < sequence.size();
+       i = before[i])
+    kept[i] = true;
+  for (const std::size_t i : common)
+    (kept[i] ? changes.kept : changes.moved).push_back(sequence[i]);
+}
+
+Changes changes_between(const Problem& problem, const Situation& now,
+                        std::span<const ConnectionIndex> old, const Result& result) {
+  Changes changes;
+  std::vector<ConnectionIndex> left;
+  std::vector<std::size_t> old_place(problem.num_connections(), problem.num_connections());
+  for (const ConnectionIndex c : old) {
+    if (!now.open.contains(c)) continue;
+    old_place[c] = left.size();
+    left.push_back(c);
+  }
+  split_common(result.sequence, old_place, changes);
+  ConnectionSet planned(problem.num_connections());
+  for (const ConnectionIndex c : result.sequence) planned.insert(c);
+  std::ranges::copy_if(left, std::back_inserter(changes.dropped),
+                       [&](ConnectionIndex c) { return !planned.contains(c); });
+  Situation undisturbed = Situation::whole(problem.num_connections());
+  undisturbed.open = now.open;
+  const Evaluation before =
+      evaluate(TransitionSystem(problem, undisturbed), std::span<const ConnectionIndex>(left));
+  if (before.valid) {
+    changes.before = before.reward;
+    if (result.has_plan()) changes.price = before.reward - result.reward;
+  }
+  return changes;
+}
+
+ordered_json ids_json(const Problem& problem, std::span<const ConnectionIndex> connections) {
+  ordered_json ids = ordered_json::array();
+  for (const ConnectionIndex c : connections) ids.push_back(problem.connection_id(c));
+  return ids;
+}
+
+std::string changes_json(const Problem& problem, const Changes& changes) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? ordered_json(*value) : ordered_json(nullptr);
+  };
+  return ordered_json({{"kept", ids_json(problem, changes.kept)},
+                       {"moved", ids_json(problem, changes.moved)},
+                       {"dropped", ids_json(problem, changes.dropped)},
+                       {"added", ids_json(problem, changes.added)},
+                       {"reward_before", number(changes.before)},
+                       {"price", number(changes.price)}})
+      .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+std::string changes_text(const Problem& problem, const Changes& changes, const Context& context) {
+  std::string text = "\nagainst the old plan\n";
+  const auto list = [&](const char* name, const std::vector<ConnectionIndex>& connections) {
+    if (connections.empty()) return;
+    std::vector<std::string> ids;
+    for (const ConnectionIndex c : connections) ids.push_back(problem.connection_id(c));
+    text += fmt::format("  {:<8} {}: ", name, counted(ids.size(), "step"));
+    text += capped_list(ids, context.width() > 60 ? context.width() - 24 : 36) + '\n';
+  };
+  list("kept", changes.kept);
+  list("moved", changes.moved);
+  list("dropped", changes.dropped);
+  list("added", changes.added);
+  if (changes.price) {
+    const double price = std::abs(*changes.price) < 1e-12 ? 0 : *changes.price;
+    text += fmt::format("  {:<8} {} (its steps would have earned {})\n", "price",
+                        number_text(price), number_text(*changes.before));
+  } else if (!changes.before) {
+    text += "  its steps break a rule from here, so there is no price\n";
+  }
+  return text;
+}
+
+Settings settings_of(const ReplanOptions& options) {
+  Settings settings;
+  const auto note = [&](const char* name, const std::string& ids) {
+    if (!ids.empty()) settings[name] = json_string(ids);
+  };
+  if (options.plan) settings["plan"] = json_string(*options.plan);
+  if (options.done) settings["done"] = fmt::to_string(*options.done);
+  note("removed", options.removed);
+  note("inaccessible", options.inaccessible);
+  note("not-next", options.not_next);
+  note("lost-part", options.lost_parts);
+  note("late-part", options.late_parts);
+  note_changes(options.changes, settings);
+  note_limits(options.limits, settings);
+  return settings;
+}
+
+/// H held where it has at most so many actions: about a tenth of a second.
+constexpr double kMostActionsHeld = 1e6;
+
+struct Answer {
+  Result result;
+  std::string
+      times;  ///< of generating H and of replacing its rewards, as JSON; empty where neither was done
+};
+
+/// Under another objective: H is generated once for the problem as it is written, and its rewards are replaced.
+Answer reweighed(const Problem& written, const Problem& problem, const Situation& now,
+                 const ReplanOptions& options, const Budget& budget) {
+  Replanner replanner(written, {.most_actions = kMostActionsHeld}, budget);
+  if (!replanner.holds_graph()) return {automatic(TransitionSystem(problem, now), 1, budget), ""};
+  const double generated = replanner.seconds_to_build();
+  const bool replaced = replanner.reweigh(problem, budget);
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if (!now.open.contains(c)) replanner.set_done(c);
+    replanner.set_accessible(c, !now.inaccessible.contains(c));
+  }
+  for_each_connection(now.not_next.view(),
+                      [&](ConnectionIndex c) { replanner.set_possible_next(c, false); });
+  for_each_id(options.late_parts, [&](const std::string& id) {
+    replanner.set_late(problem.find_part(id, "--late-part"), true);
+  });
+  Answer answer{replanner.plan(budget), ""};
+  if (replaced) {
+    answer.times = ordered_json({{"states", replanner.held_states()},
+                                 {"generated", generated},
+                                 {"reweighed", replanner.seconds_to_build()}})
+                       .dump();
+    answer.result.notes.push_back(fmt::format(
+        "the state-action graph was generated and solved in {}, reweighed for the other "
+        "objective and solved again in {}",
+        seconds_text(generated), seconds_text(replanner.seconds_to_build())));
+  }
+  return answer;
+}
+
+}  // namespace
+
+int run(const ReplanOptions& options, const Context& context) {
+  if (options.done && !options.plan)
+    throw InputError("--done counts the steps of an old plan; give it with --plan");
+  const Problem written = load_problem(options.problem, {}, context);
+  const Problem problem = changed(written, options.changes);
+  std::vector<ConnectionIndex> old;
+  if (options.plan)
+    old = old_sequence(options.changes.direction ? problem : written, options, context);
+
+  Situation now = Situation::whole(problem.num_connections());
+  const auto no_longer_open = [&](ConnectionIndex c) { now.open.erase(c); };
+  std::ranges::for_each(std::span(old).first(options.done.value_or(0)), no_longer_open);
+  for_each_connection(connections_called(problem, options.removed, "--removed").view(),
+                      no_longer_open);
+  now.inaccessible = connections_called(problem, options.inaccessible, "--inaccessible");
+  insert_all(now.inaccessible, connections_of_parts(problem, options.lost_parts, "--lost-part"));
+  now.not_next = connections_called(problem, options.not_next, "--not-next");
+  now.late = connections_of_parts(problem, options.late_parts, "--late-part");
+
+  const TransitionSystem system(problem, now);
+  Answer answer;
+  std::optional<ProblemExplanation> why;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", replan");
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    if (problem.uncertain()) {
+      answer.result = uncertain_value_iteration(system, {}, budget);
+    } else if (options.changes.objective && !options.changes.direction) {
+      answer = reweighed(written, problem, now, options, budget);
+    } else {
+      answer.result = automatic(system, 1, budget);
+    }
+    if (answer.result.status == Status::Infeasible) why = explain_problem(problem, now, budget);
+  }
+  const Result& result = answer.result;
+  std::map<std::string, std::string> more;
+  if (!answer.times.empty()) more["reweighing"] = answer.times;
+  std::optional<Changes> changes;
+  if (options.plan && result.has_plan()) {
+    changes = changes_between(problem, now, old, result);
+    more["changes"] = changes_json(problem, *changes);
+  }
+  if (why) more["conflict"] = conflict_json(why->conflict).dump();
+  const std::string plan = plan_text(system, result, settings_of(options), nullptr, more);
+  if (!options.output.empty()) {
+    if (result.has_plan()) {
+      write_file(options.output, plan);
+    } else {
+      context.warn("there is no plan, so " + options.output + " is not written");
+    }
+  }
+  if (options.json) {
+    context.print(plan);
+    return exit_code(result);
+  }
+  std::string text = plan_summary(system, options.problem, result, context);
+  if (changes) text += changes_text(problem, *changes, context);
+  if (why && !why->conflict.empty()) text += '\n' + conflict_text(*why);
+  if (!result.notes.empty()) text += '\n';
+  for (const std::string& note : result.notes) text += printable(note) + '\n';
+  context.print(text);
+  return exit_code(result);
+}
+
+}  // namespace orasp::cli

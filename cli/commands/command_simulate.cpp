@@ -1,0 +1,208 @@
+#include "cli/commands/command_simulate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/exit_codes.h"
+#include "cli/output/reward_statistics.h"
+#include "cli/output/json_output.h"
+#include "cli/output/progress.h"
+#include "cli/output/text.h"
+#include "orasp/io/state_policy_json.h"
+#include "orasp/model/validate.h"
+#include "orasp/planners/uncertain.h"
+
+namespace orasp::cli {
+namespace {
+
+/// What is followed, and what came of it.
+struct Outcome {
+  std::vector<ConnectionIndex> plan;  ///< empty: none was given
+  Status status = Status::Unknown;    ///< Infeasible: what is followed may end in a dead end
+  double expected = 0;                ///< reward
+  double expected_attempts = 0;
+  Simulation simulation;
+  std::vector<std::string> notes;
+};
+
+struct AttemptFigures {
+  double mean = 0;
+  std::uint64_t most = 0;
+};
+
+AttemptFigures attempt_figures(const std::vector<std::uint64_t>& attempts) {
+  AttemptFigures figures;
+  if (attempts.empty()) return figures;
+  double total = 0;
+  for (const std::uint64_t number : attempts) total += static_cast<double>(number);
+  figures.mean = total / static_cast<double>(attempts.size());
+  figures.most = *std::ranges::max_element(attempts);
+  return figures;
+}
+
+double standard_error(const Figures& figures, std::size_t runs) {
+  return runs == 0 ? 0 : figures.deviation / std::sqrt(static_cast<double>(runs));
+}
+
+/// A plan that is legal where nothing fails. @throws InputError.
+std::vector<ConnectionIndex> legal_plan(const Problem& problem, const std::string& file,
+                                        const Context& context) {
+  const PlanFile plan = read_plan(file, problem.direction());
+  warn_of_another_problem(context, plan.problem_digest, problem);
+  const Evaluation evaluation = evaluate(problem, plan.sequence);
+  if (!evaluation.valid) {
+    const StepViolation& first = evaluation.violations.front();
+    throw InputError(fmt::format("the plan cannot be followed: step {}, {}: {}", first.step,
+                                 in_quotes(first.connection), first.violation.message));
+  }
+  std::vector<ConnectionIndex> sequence;
+  for (const Step& step : evaluation.steps) sequence.push_back(step.connection);
+  return sequence;
+}
+
+std::vector<PolicyState> policy_of(const TransitionSystem& system, const std::string& file) {
+  const std::string text = read_text(file);
+  try {
+    return parse_state_policy(system, text);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file == "-" ? "standard input" : file, error.what()));
+  }
+}
+
+Outcome outcome_of(const Problem& problem, const SimulateOptions& options, const Context& context) {
+  Outcome outcome;
+  const TransitionSystem system(problem);
+  if (const std::optional<Violation> reason = system.infeasibility()) {
+    outcome.status = Status::Infeasible;
+    outcome.notes = {reason->message};
+    return outcome;
+  }
+  UncertainGraph::Guide guide;
+  if (!options.plan.empty()) {
+    outcome.plan = legal_plan(problem, options.plan, context);
+    guide = guide_by_plan(outcome.plan);
+  } else if (!options.policy.empty()) {
+    guide = guide_by_policy(system, policy_of(system, options.policy));
+  }
+
+  ProgressLine progress(context, title(problem, options.problem) + ", simulate");
+  Budget budget = make_budget(options.limits);
+  progress.attach_to(budget);
+  const UncertainGraph graph = UncertainGraph::build(system, budget, guide);
+  if (graph.stop() != Stop::None) {
+    outcome.simulation.stop = graph.stop();
+    outcome.notes = {"stopped before all states were known that attempts lead to"};
+    return outcome;
+  }
+  const UncertainSolution solution = solve_uncertain(graph);
+  if (!std::isfinite(solution.values[0])) {
+    outcome.status = Status::Infeasible;
+    outcome.notes = {options.plan.empty()
+                         ? "whatever is attempted, a state may be met that has no legal step"
+                         : "the plan may end in a state that has no legal step, and its expected "
+                           "reward is minus infinity; `orasp solve` finds a policy that cannot, if "
+                           "there is one"};
+    return outcome;
+  }
+  outcome.status = Status::Feasible;
+  outcome.expected = solution.values[0];
+  outcome.expected_attempts = solution.attempts[0];
+  outcome.simulation = simulate(graph, solution.choice, outcome.plan,
+                                {.runs = options.count, .seed = options.seed}, budget);
+  return outcome;
+}
+
+nlohmann::ordered_json as_json(const Outcome& outcome, const Figures& figures,
+                               const AttemptFigures& attempts, const SimulateOptions& options) {
+  const std::size_t runs = outcome.simulation.rewards.size();
+  const auto number = [&](double value) {
+    return runs == 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+  };
+  nlohmann::ordered_json percentiles = nlohmann::ordered_json::object();
+  constexpr std::array<const char*, 5> kNames = {"5", "25", "50", "75", "95"};
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    percentiles[kNames[i]] = number(figures.percentiles[i]);
+  return {{"n", runs},
+          {"seed", options.seed},
+          {"expected", outcome.status == Status::Feasible ? nlohmann::ordered_json(outcome.expected)
+                                                          : nlohmann::ordered_json()},
+          {"mean", number(figures.mean)},
+          {"deviation", number(figures.deviation)},
+          {"standard_error", number(standard_error(figures, runs))},
+          {"min", number(figures.least)},
+          {"percentiles", std::move(percentiles)},
+          {"max", number(figures.greatest)},
+          {"attempts",
+           {{"mean", number(attempts.mean)},
+            {"max", runs == 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(attempts.most)}}},
+          {"aborted", outcome.simulation.aborted},
+          {"replanned", outcome.simulation.replanned}};
+}
+
+std::string summary(const Problem& problem, const Outcome& outcome, const Figures& figures,
+                    const AttemptFigures& attempts, const SimulateOptions& options) {
+  const Simulation& simulation = outcome.simulation;
+  const std::size_t runs = simulation.rewards.size();
+  const char* const followed = !options.plan.empty()     ? "the plan"
+                               : !options.policy.empty() ? "the policy"
+                                                         : "an optimal policy, solved first";
+  std::string text =
+      fmt::format("{}: {} of {} with {}, seed {}\n", title(problem, options.problem), grouped(runs),
+                  counted(options.count, "run"), followed, options.seed);
+  if (runs > 0) {
+    const std::vector<double> numbers = {
+        outcome.expected,       figures.mean,           standard_error(figures, runs),
+        figures.deviation,      figures.least,          figures.percentiles[0],
+        figures.percentiles[1], figures.percentiles[2], figures.percentiles[3],
+        figures.percentiles[4], figures.greatest};
+    const std::vector<std::string> texts = aligned_numbers(numbers);
+    constexpr std::array<const char*, 11> kNames = {
+        "expected reward", "mean",   "standard error", "deviation", "minimum", "5 %",
+        "lower quartile",  "median", "upper quartile", "95 %",      "maximum"};
+    std::size_t widest = 0;
+    for (const std::string& number : texts) widest = std::max(widest, number.size());
+    for (std::size_t i = 0; i < texts.size(); ++i)
+      text += fmt::format("{:<15}  {:>{}}\n", kNames[i], texts[i], widest);
+    const auto line = [&text](const char* name, const std::string& value) {
+      text += fmt::format("{:<15}  {}\n", name, value);
+    };
+    text += '\n';
+    line("attempts", fmt::format("{} a run, {} expected, at most {}", number_text(attempts.mean),
+                                 number_text(outcome.expected_attempts), grouped(attempts.most)));
+    line("aborted", fmt::format("{} of {}", grouped(simulation.aborted), counted(runs, "run")));
+    if (!outcome.plan.empty()) line("replanned", counted(simulation.replanned, "time"));
+  }
+  if (outcome.status == Status::Infeasible) text += "\ninfeasible (proved)\n";
+  if (simulation.stop != Stop::None) text += '\n' + stop_text(simulation.stop) + '\n';
+  for (const std::string& note : outcome.notes) text += printable(note) + '\n';
+  return text;
+}
+
+}  // namespace
+
+int run(const SimulateOptions& options, const Context& context) {
+  if (!options.plan.empty() && !options.policy.empty())
+    throw InputError("only one of --plan and --policy can be given");
+  if (options.problem == "-" && (options.plan == "-" || options.policy == "-"))
+    throw InputError("PROBLEM and what to follow cannot both be read from standard input");
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  const Outcome outcome = outcome_of(problem, options, context);
+  const Figures figures = figures_of(outcome.simulation.rewards);
+  const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);
+  if (options.json) {
+    for (const std::string& note : outcome.notes) context.warn(printable(note));
+  }
+  print_result(context, options.output, options.json, as_json(outcome, figures, attempts, options),
+               [&] { return summary(problem, outcome, figures, attempts, options); });
+  if (outcome.status == Status::Infeasible) return kNoPlan;
+  return outcome.simulation.stop == Stop::None ? kSolved : kStopped;
+}
+
+}  // namespace orasp::cli

@@ -1,0 +1,294 @@
+#include "cli/commands/command_solve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/exit_codes.h"
+#include "cli/output/fleet_summary.h"
+#include "cli/output/plan_summary.h"
+#include "cli/output/progress.h"
+#include "cli/output/step_table.h"
+#include "cli/output/text.h"
+#include "orasp/io/atomic_file.h"
+#include "orasp/io/fleet_plan_json.h"
+#include "orasp/io/mip_file.h"
+#include "orasp/io/plan_json.h"
+#include "orasp/io/state_policy_json.h"
+#include "orasp/model/validate.h"
+#include "orasp/explain/alternatives.h"
+#include "orasp/graph/state_graph.h"
+
+namespace orasp::cli {
+namespace {
+
+void refuse_foreign_options(const SolveOptions& options) {
+  const auto searches = {"orasp-search", "a-star", "beam", "q-learning"};
+  if (options.bound && std::ranges::find(searches, options.method) == searches.end()) {
+    throw InputError(fmt::format(
+        "--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to {}",
+        options.method));
+  }
+  if (!options.policy.empty() && options.method != "dqn") {
+    throw InputError(fmt::format("--policy belongs to the method dqn, not to {}", options.method));
+  }
+  if (!options.write_model.empty()) {
+    if (options.method != "mip")
+      throw InputError(
+          fmt::format("--write-model belongs to the method mip, not to {}", options.method));
+    require_model_file(options.write_model);
+    const char* const idle = !options.output.empty()    ? "--output"
+                             : options.count            ? "--count"
+                             : options.alternatives > 0 ? "--alternatives"
+                                                        : nullptr;
+    if (idle != nullptr)
+      throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
+  }
+  if (options.method == "value-iteration") return;
+  const char* const foreign = options.sweep_order     ? "--sweep-order"
+                              : options.epsilon       ? "--epsilon"
+                              : options.max_sweeps    ? "--max-sweeps"
+                              : options.initial_value ? "--initial-value"
+                                                      : nullptr;
+  if (foreign != nullptr)
+    throw InputError(fmt::format("{} belongs to the method value-iteration, not to {}", foreign,
+                                 options.method));
+}
+
+ValueIterationOptions::Order sweep_order_called(const std::string& name) {
+  if (name == "layers") return ValueIterationOptions::Order::Layers;
+  if (name == "textbook") return ValueIterationOptions::Order::Textbook;
+  throw InputError(
+      fmt::format("--sweep-order: {} is neither layers nor textbook", in_quotes(name)));
+}
+
+Options planner_options(const SolveOptions& options) {
+  Options chosen;
+  chosen.seed = options.seed;
+  if (options.bound) {
+    const std::vector<std::string> known(kBoundNames.begin(), kBoundNames.end());
+    if (std::ranges::find(known, *options.bound) == known.end()) {
+      throw InputError(fmt::format("--bound: {} is not a bound; bounds are {}{}",
+                                   in_quotes(*options.bound), fmt::join(known, ", "),
+                                   suggestion(*options.bound, known)));
+    }
+    chosen.bound = bound_called(*options.bound);
+  }
+  ValueIterationOptions& sweeps = chosen.value_iteration;
+  if (options.sweep_order) sweeps.order = sweep_order_called(*options.sweep_order);
+  sweeps.epsilon = options.epsilon.value_or(sweeps.epsilon);
+  sweeps.max_sweeps = options.max_sweeps.value_or(sweeps.max_sweeps);
+  sweeps.initial_value = options.initial_value.value_or(sweeps.initial_value);
+  return chosen;
+}
+
+Settings settings_of(const SolveOptions& options) {
+  Settings settings;
+  settings["method"] = json_string(options.method);
+  note_changes(options.changes, settings);
+  note_limits(options.limits, settings);
+  if (options.bound) settings["bound"] = json_string(*options.bound);
+  if (!options.policy.empty()) settings["policy"] = json_string(options.policy);
+  if (options.sweep_order) settings["sweep-order"] = json_string(*options.sweep_order);
+  if (options.epsilon) settings["epsilon"] = fmt::to_string(*options.epsilon);
+  if (options.max_sweeps) settings["max-sweeps"] = fmt::to_string(*options.max_sweeps);
+  if (options.initial_value) settings["initial-value"] = fmt::to_string(*options.initial_value);
+  if (options.count) settings["count"] = "true";
+  if (options.alternatives > 0) settings["alternatives"] = fmt::to_string(options.alternatives);
+  return settings;
+}
+
+bool wants_other_plans(const SolveOptions& options) {
+  return options.count || options.alternatives > 0;
+}
+
+/// Before the method runs: where H does not fit, nothing is done.
+void require_graph_for_other_plans(const TransitionSystem& system, const SolveOptions& options,
+                                   const Budget& budget) {
+  const std::string asked_by = options.count ? "--count" : "--alternatives";
+  try {
+    require_graph_fits(system, budget, asked_by);
+  } catch (const InputError& error) {
+    const std::string reason = error.what();  // it goes on with methods that need no H
+    throw InputError(reason.substr(0, reason.rfind("; use ")));
+  }
+}
+
+std::string alternatives_text(const Problem& problem, const Alternatives& alternatives,
+                              const SolveOptions& options, const Context& context) {
+  std::string text;
+  if (alternatives.optimal_sequences)
+    text += '\n' + counted(*alternatives.optimal_sequences, "optimal sequence") + '\n';
+  if (!alternatives.plans || alternatives.plans->empty()) return text;
+  const std::vector<Alternative>& plans = *alternatives.plans;
+  std::vector<double> rewards;
+  for (const Alternative& plan : plans) rewards.push_back(plan.reward);
+  const std::vector<std::string> reward_texts = aligned_numbers(rewards);
+  const bool all = plans.size() < options.alternatives && alternatives.stop == Stop::None;
+  text += all ? fmt::format("\nall {}\n", counted(plans.size(), "plan"))
+              : fmt::format("\nthe {}\n", counted(plans.size(), "best plan"));
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    std::vector<std::string> ids;
+    for (const ConnectionIndex c : plans[i].sequence) ids.push_back(problem.connection_id(c));
+    text += fmt::format("{:>4}  reward {}\n", i + 1, reward_texts[i]);
+    text += wrapped_list(ids, 6, context.width());
+  }
+  return text;
+}
+
+std::string summary(const Problem& problem, const Result& result, const Alternatives& alternatives,
+                    const SolveOptions& options, const Context& context) {
+  std::string text = plan_summary(TransitionSystem(problem), options.problem, result, context);
+  text += alternatives_text(problem, alternatives, options, context);
+  if (!result.notes.empty()) text += '\n';
+  for (const std::string& note : result.notes) text += printable(note) + '\n';
+  return text;
+}
+
+/// The model in a file instead of a plan.
+int write_program(const MipModel& model, const SolveOptions& options, const Context& context,
+                  const std::string& objective) {
+  write_model(model, options.write_model);
+  context.print(
+      options.json
+          ? fmt::format("{{\"model\": {}, \"columns\": {}, \"whole_columns\": {}, \"rows\": {}, "
+                        "\"terms\": {}}}\n",
+                        json_string(options.write_model), model.num_columns(), model.num_integers(),
+                        model.num_rows(), model.num_terms())
+          : fmt::format("{}: {} ({} whole), {}, {}; its objective, to be minimised, is {}\n",
+                        printable(options.write_model), counted(model.num_columns(), "column"),
+                        grouped(model.num_integers()), counted(model.num_rows(), "row"),
+                        counted(model.num_terms(), "term"), objective));
+  return kSolved;
+}
+
+int write_fleet_program(const FleetProblem& fleet, const FleetOptions& chosen,
+                        const SolveOptions& options, const Context& context) {
+  const bool travel = chosen.objective == FleetObjective::Travel;
+  if (travel && !chosen.steps)
+    throw InputError(
+        "--write-model: the integer program of the least travel needs --steps N, the most steps");
+  return write_program(
+      fleet_mip_model(fleet, chosen.objective, chosen.steps.value_or(fleet_mip_horizon(fleet))),
+      options, context, travel ? "the travel in m^2" : "the number of steps");
+}
+
+/// Options that mean nothing to a method for fleets.
+void refuse_one_robot_options(const SolveOptions& options) {
+  const char* const foreign = options.count              ? "--count"
+                              : options.alternatives > 0 ? "--alternatives"
+                                                         : nullptr;
+  if (foreign != nullptr)
+    throw InputError(
+        fmt::format("{} belongs to the methods for one robot, not to one for fleets", foreign));
+}
+
+int run_fleet(const Problem& problem, const Planner& planner, const SolveOptions& options,
+              const Context& context) {
+  refuse_one_robot_options(options);
+  const FleetProblem fleet(problem);
+  FleetOptions chosen{
+      .objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
+  if (options.changes.objective)
+    chosen.objective = *fleet_objective_called(*options.changes.objective);
+  if (!options.write_model.empty()) return write_fleet_program(fleet, chosen, options, context);
+  FleetResult result;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    result = solve_fleet(fleet, planner.name, chosen, budget);
+  }
+  require_valid(fleet, result);
+  Settings settings = settings_of(options);
+  if (options.steps) settings["steps"] = fmt::to_string(*options.steps);
+  const std::string plan = fleet_plan_text(fleet, result, settings);
+  if (!options.output.empty()) {
+    if (result.has_plan()) {
+      write_file(options.output, plan);
+    } else {
+      context.warn("there is no plan, so " + options.output + " is not written");
+    }
+  }
+  context.print(options.json ? plan : fleet_summary(fleet, options.problem, result, context));
+  return exit_code(result);
+}
+
+}  // namespace
+
+int run(const SolveOptions& options, const Context& context) {
+  const Planner& planner = planner_named(options.method);
+  refuse_foreign_options(options);
+  Options chosen = planner_options(options);
+  ProblemChanges changes = options.changes;
+  changes.objective.reset();  // it may be one of fleets
+  Problem problem = load_fleet_problem(options.problem, changes, context);
+  if (plans_for_fleet(planner, problem, options.changes.objective))
+    return run_fleet(problem, planner, options, context);
+  if (options.steps)
+    throw InputError(fmt::format("--steps belongs to the methods for fleets, not to {}{}",
+                                 options.method,
+                                 planner.run_fleet != nullptr ? " for one robot" : ""));
+  warn_of_unused_fleet(problem, context);
+  if (options.changes.objective) {
+    ProblemChanges objective;
+    objective.objective = options.changes.objective;
+    problem = changed(problem, objective);
+  }
+  if (!options.write_model.empty())
+    return write_program(mip_model(TransitionSystem(problem)), options, context,
+                         "minus the reward");
+  if (!options.policy.empty()) {
+    chosen.policy =
+        std::make_shared<const Policy>(read_policy(options.policy, problem).trained.policy);
+  }
+
+  if (problem.uncertain() && wants_other_plans(options)) {
+    throw InputError(fmt::format(
+        "{} lists plans for attempts that always succeed, and an attempt at connection {} may fail "
+        "(its success is below 1); leave it out",
+        options.count ? "--count" : "--alternatives",
+        in_quotes(problem.connection_id(*problem.first_uncertain()))));
+  }
+
+  Result result;
+  Alternatives alternatives;
+  {
+    ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    const TransitionSystem system(problem);
+    if (wants_other_plans(options)) require_graph_for_other_plans(system, options, budget);
+    result = solve(problem, planner.name, chosen, budget);
+    if (wants_other_plans(options))
+      alternatives = find_alternatives(system, options.count, options.alternatives, budget);
+  }
+  if (alternatives.stop != Stop::None) {
+    result.notes.push_back(fmt::format(
+        "{} was {}",
+        alternatives.plans ? "the list of the best plans" : "building H for other plans",
+        stop_text(alternatives.stop)));
+  }
+  // Where attempts may fail, an order is not all there is to do: the file is the policy.
+  const bool writes_policy = result.expectation.has_value();
+  const std::string plan = options.json || (!options.output.empty() && !writes_policy)
+                               ? plan_text(problem, result, settings_of(options), &alternatives)
+                               : std::string();
+  if (!options.output.empty()) {
+    // What stands in the file may be the plan of yesterday: a run without a plan leaves it alone.
+    if (result.has_plan()) {
+      write_file(options.output,
+                 writes_policy ? state_policy_text(TransitionSystem(problem), result) : plan);
+    } else {
+      context.warn("there is no plan, so " + options.output + " is not written");
+    }
+  }
+  context.print(options.json ? plan : summary(problem, result, alternatives, options, context));
+  const int code = exit_code(result);
+  return code == kSolved && alternatives.stop != Stop::None ? kStopped : code;
+}
+
+}  // namespace orasp::cli

@@ -1,0 +1,216 @@
+#include "cli/commands/command_train.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/exit_codes.h"
+#include "cli/output/json_output.h"
+#include "cli/output/text.h"
+#include "orasp/io/atomic_file.h"
+#include "orasp/io/policy_file.h"
+#include "orasp/io/problem_json.h"
+
+namespace orasp::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+Json number_or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+std::string reward_text(double value) {
+  return std::isfinite(value) ? number_text(value) : std::string("-");
+}
+
+/// The training log: a line of JSON after every round, at once in the file.
+class Log {
+ public:
+  Log(const std::string& file, bool go_on) : name_(file) {
+    if (file.empty()) return;
+    stream_.reset(std::fopen(file.c_str(), go_on ? "ab" : "wb"));
+    if (!stream_) fail();
+  }
+  void write(const TrainingRecord& record) {
+    if (!stream_) return;
+    const Json line = {{"episodes", record.episodes},
+                       {"updates", record.updates},
+                       {"epsilon", record.epsilon},
+                       {"loss", record.loss},
+                       {"greedy", number_or_null(record.greedy)},
+                       {"best_greedy", number_or_null(record.best_greedy)},
+                       {"best", number_or_null(record.best)},
+                       {"bound", number_or_null(record.bound)},
+                       {"seconds", record.seconds}};
+    const std::string text = line.dump() + '\n';
+    if (std::fwrite(text.data(), 1, text.size(), stream_.get()) != text.size() ||
+        std::fflush(stream_.get()) != 0)
+      fail();
+  }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* stream) const { static_cast<void>(std::fclose(stream)); }
+  };
+  [[noreturn]] void fail() const {
+    throw InputError(
+        fmt::format("cannot write {}: {}", name_, std::generic_category().message(errno)));
+  }
+  std::string name_;
+  std::unique_ptr<std::FILE, Close> stream_;
+};
+
+/// Tells people how training goes: a line where the policy improved, and one every ten seconds.
+class Reporter {
+ public:
+  explicit Reporter(const Context& context) : context_(context) {}
+  void tell(const TrainingRecord& record) {
+    const bool improved = record.best_greedy > told_;
+    if (!improved && record.seconds < next_) return;
+    told_ = record.best_greedy;
+    next_ = record.seconds + 10;
+    context_.say(
+        fmt::format("{:>7} episodes {:>8} updates  greedy {:>10}  best {:>10}  bound {:>10}  {}",
+                    grouped(record.episodes), grouped(record.updates), reward_text(record.greedy),
+                    reward_text(record.best), record.bound ? reward_text(*record.bound) : "-",
+                    seconds_text(record.seconds)));
+  }
+
+ private:
+  const Context& context_;
+  double told_ = -std::numeric_limits<double>::infinity();
+  double next_ = 0;
+};
+
+/// Training takes minutes: that its result cannot be written is said before.
+void require_folder(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+    throw InputError(fmt::format("cannot write {}: there is no folder {}", file, folder.string()));
+}
+
+PolicyFile file_of(const Problem& problem, const Training& training) {
+  return {.problem_digest = problem_digest(problem),
+          .problem_name = problem.name(),
+          .trained = training.trained};
+}
+
+Json as_json(const Problem& problem, const Training& training, const TrainOptions& options) {
+  const Result& result = training.result;
+  Json sequence = Json::array();
+  for (const ConnectionIndex c : result.sequence) sequence.push_back(problem.connection_id(c));
+  Json document = {{"problem", problem.name()},
+                   {"problem_digest", problem_digest(problem)},
+                   {"seed", options.dqn.seed},
+                   {"device", training.device},
+                   {"episodes", training.record.episodes},
+                   {"updates", training.record.updates},
+                   {"policy_reward", number_or_null(training.trained.reward)},
+                   {"status", status_name(result.status)},
+                   {"reward", result.has_plan() ? Json(result.reward) : Json()},
+                   {"bound", number_or_null(result.bound)},
+                   {"sequence", std::move(sequence)},
+                   {"notes", result.notes},
+                   {"seconds", result.statistics.seconds}};
+  if (result.stop != Stop::None) document["stopped"] = stop_name(result.stop);
+  return document;
+}
+
+std::string summary(const Problem& problem, const Training& training, const TrainOptions& options) {
+  const Result& result = training.result;
+  std::string text = fmt::format("{}: {}\n", title(problem, options.problem),
+                                 result.stop == Stop::None ? "trained" : stop_text(result.stop));
+  const auto line = [&text](std::string_view name, const std::string& value) {
+    text += fmt::format("{:<9} {}\n", name, value);
+  };
+  if (result.status == Status::Infeasible) {
+    line("status", "infeasible (proved: no plan exists)");
+    for (const std::string& note : result.notes) text += printable(note) + '\n';
+    return text;
+  }
+  line("episodes", grouped(training.record.episodes));
+  line("updates", grouped(training.record.updates));
+  line("policy", reward_text(training.trained.reward));
+  line("best plan", result.has_plan() ? reward_text(result.reward) : "-");
+  if (training.record.bound) {
+    const double bound = *training.record.bound;
+    const double gap = bound - training.trained.reward;
+    std::string meaning;
+    if (gap <= kRewardTolerance * std::max(1.0, std::abs(bound))) {
+      meaning = " (the policy's plan is optimal, proved)";
+    } else if (std::isfinite(gap)) {
+      meaning = fmt::format(" ({} more than the policy's plan)", reward_text(gap));
+    }
+    line("bound", reward_text(bound) + meaning);
+  }
+  line("time", seconds_text(training.record.seconds));
+  if (options.policy.empty()) line("written", "nowhere: -o FILE keeps the policy");
+  if (!options.policy.empty() && !training.trained.policy.layers.empty())
+    line("written", options.policy);
+  for (const std::string& note : result.notes) text += printable(note) + '\n';
+  return text;
+}
+
+}  // namespace
+
+int run(const TrainOptions& options, const Context& context) {
+  if (!options.policy.empty()) require_folder(options.policy);
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  if (problem.uncertain()) {
+    throw InputError(fmt::format(
+        "train learns for attempts that always succeed, and an attempt at connection {} may fail "
+        "(its success is below 1); `orasp solve` finds the optimal policy",
+        in_quotes(problem.connection_id(*problem.first_uncertain()))));
+  }
+  std::optional<PolicyFile> earlier;
+  if (!options.resume.empty()) earlier = read_policy(options.resume, problem);
+  DqnOptions dqn = options.dqn;
+  if (earlier) {
+    dqn.hidden = earlier->trained.training.hidden;
+    dqn.known_reward = earlier->trained.training.known_reward;
+  }
+  const TransitionSystem system(problem);
+  Training training;
+  {
+    Budget budget = make_budget(options.limits);
+    Log log(options.log, earlier.has_value());
+    Reporter reporter(context);
+    TrainingHooks hooks;
+    hooks.save_every = options.checkpoint_every;
+    hooks.log = [&](const TrainingRecord& record) {
+      log.write(record);
+      reporter.tell(record);
+    };
+    if (!options.policy.empty()) {
+      hooks.save = [&](const Training& now) {
+        write_file(options.policy, policy_bytes(file_of(problem, now)));
+      };
+    }
+    training = train(system, dqn, budget, hooks, earlier ? &earlier->trained : nullptr);
+  }
+  if (!training.warning.empty()) context.warn(training.warning);
+  if (!options.policy.empty()) {
+    if (!training.trained.policy.layers.empty()) {
+      write_file(options.policy, policy_bytes(file_of(problem, training)));
+    } else {
+      context.warn("nothing was learned, so " + options.policy + " is not written");
+    }
+  }
+  print_result(context, "", options.json, as_json(problem, training, options),
+               [&] { return summary(problem, training, options); });
+  return exit_code(training.result);
+}
+
+}  // namespace orasp::cli

@@ -1,0 +1,258 @@
+#include "cli/options/problem_source.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "cli/exit_codes.h"
+#include "cli/output/fleet_summary.h"
+#include "cli/signals.h"
+#include "cli/output/text.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/io/scenarios.h"
+
+namespace orasp::cli {
+namespace {
+
+constexpr std::size_t kLargestFile = std::size_t{256} << 20;
+constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const {
+    if (file != stdin) std::fclose(file);
+  }
+};
+
+std::string spoken(const std::string& file) {
+  return file == "-" ? "standard input" : in_quotes(file);
+}
+
+bool names_a_file(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".json");
+}
+
+Problem problem_called(const std::string& name) {
+  if (name == "-") {
+    const std::string text = read_text(name);
+    try {
+      return parse_problem(text);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("standard input: {}", error.what()));
+    }
+  }
+  if (names_a_file(name)) return read_problem(name);
+  if (is_scenario(name)) return load_scenario(name);
+  std::error_code ignored;
+  if (std::filesystem::exists(name, ignored)) return read_problem(name);
+  std::vector<std::string> names;
+  for (const ScenarioInfo& scenario : scenarios()) names.push_back(scenario.name);
+  const std::string guess = suggestion(name, names);
+  throw InputError(fmt::format(
+      "no problem {}: there is neither a file nor a built-in scenario of that name{}",
+      in_quotes(name), guess.empty() ? "; `orasp scenarios` lists the scenarios" : guess));
+}
+
+Objective objective_called(const std::string& name) {
+  if (std::ranges::find(kObjectiveTypes, name) != kObjectiveTypes.end())
+    return Objective::named(name);
+  std::error_code ignored;
+  if (names_a_file(name) || std::filesystem::exists(name, ignored))
+    return parse_objective(read_text(name), name);
+  const std::vector<std::string> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  throw InputError(fmt::format("no objective {}: it is neither a file nor one of {}{}",
+                               in_quotes(name), fmt::join(types, ", "), suggestion(name, types)));
+}
+
+Direction direction_called(const std::string& name) {
+  if (name == "disassembly") return Direction::Disassembly;
+  if (name == "assembly") return Direction::Assembly;
+  throw InputError(
+      fmt::format("unknown direction {}; it is disassembly or assembly", in_quotes(name)));
+}
+
+bool any(const ProblemChanges& changes) {
+  return changes.objective || changes.direction || changes.max_subassemblies ||
+         changes.max_moved_parts || changes.max_moved_mass || changes.robots || changes.sites;
+}
+
+}  // namespace
+
+std::string read_text(const std::string& file) {
+  const auto fail = [&](int error) {
+    throw InputError(
+        fmt::format("cannot read {}: {}", spoken(file), std::generic_category().message(error)));
+  };
+  const std::unique_ptr<std::FILE, CloseFile> stream(file == "-" ? stdin
+                                                                 : std::fopen(file.c_str(), "rb"));
+  if (!stream) fail(errno);
+  std::string text;
+  std::size_t length = 0;
+  while (true) {
+    constexpr std::size_t kPiece = std::size_t{64} << 10;
+    text.resize(length + std::max(kPiece, length));
+    const std::size_t read =
+        std::fread(text.data() + length, 1, text.size() - length, stream.get());
+    length += read;
+    if (read == 0) break;
+    if (length > kLargestFile)
+      throw InputError(fmt::format("{} holds more than 256 MiB", spoken(file)));
+  }
+  if (std::ferror(stream.get()) != 0) fail(errno);
+  text.resize(length);
+  return text;
+}
+
+Problem changed(const Problem& problem, const ProblemChanges& changes) {
+  ProblemSpec spec = problem.spec();
+  if (changes.objective) spec.objective = objective_called(*changes.objective);
+  if (changes.direction) spec.direction = direction_called(*changes.direction);
+  if (changes.max_subassemblies) spec.limits.max_subassemblies = *changes.max_subassemblies;
+  if (changes.max_moved_parts) spec.limits.max_moved_parts = *changes.max_moved_parts;
+  if (changes.max_moved_mass) spec.limits.max_moved_mass = *changes.max_moved_mass;
+  const auto fleet = [&spec](const char* option) -> Fleet& {
+    if (!spec.fleet)
+      throw InputError(fmt::format("{}: the problem has no \"fleet\" to change", option));
+    return *spec.fleet;
+  };
+  if (changes.robots) fleet("--robots").robots = *changes.robots;
+  if (changes.sites) {
+    auto& sites = fleet("--sites").sites;
+    if (*changes.sites > sites.size())
+      throw InputError(fmt::format("--sites: {} is more than the {} of the problem", *changes.sites,
+                                   counted(sites.size(), "site")));
+    sites.resize(*changes.sites);
+  }
+  return Problem(std::move(spec));
+}
+
+Problem load_problem(const std::string& name, const ProblemChanges& changes,
+                     const Context& context) {
+  Problem problem = load_fleet_problem(name, changes, context);
+  warn_of_unused_fleet(problem, context);
+  return problem;
+}
+
+Problem load_fleet_problem(const std::string& name, const ProblemChanges& changes,
+                           const Context& context) {
+  Problem problem = problem_called(name);
+  if (any(changes)) problem = changed(problem, changes);
+  for (const std::string& warning : problem.warnings()) context.warn(printable(warning));
+  return problem;
+}
+
+PlanFile read_plan(const std::string& file, Direction direction) {
+  return parse_plan_text(read_text(file), file, direction);
+}
+
+PlanFile parse_plan_text(const std::string& text, const std::string& file, Direction direction) {
+  try {
+    return parse_plan(text, direction);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file == "-" ? "standard input" : file, error.what()));
+  }
+}
+
+void warn_of_another_problem(const Context& context, const std::string& digest, const Problem& problem) {
+  if (!digest.empty() && digest != problem_digest(problem))
+    context.warn("the plan was made for another problem: its problem_digest differs");
+}
+
+PolicyFile read_policy(const std::string& file, const Problem& problem) {
+  const std::string bytes = read_text(file);
+  PolicyFile policy;
+  try {
+    policy = parse_policy(bytes);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", spoken(file), error.what()));
+  }
+  const std::string digest = problem_digest(problem);
+  if (policy.problem_digest != digest) {
+    throw InputError(fmt::format(
+        "{} was trained on another problem than this one: on {} with digest {}..., not on {} with "
+        "{}..., objective, limits and "
+        "direction included",
+        spoken(file), in_quotes(policy.problem_name), policy.problem_digest.substr(0, 12),
+        in_quotes(problem.name()), digest.substr(0, 12)));
+  }
+  return policy;
+}
+
+std::string title(const Problem& problem, const std::string& typed) {
+  if (!problem.name().empty()) return printable(problem.name());
+  return typed == "-" ? "standard input" : printable(typed);
+}
+
+std::uint64_t default_memory_limit() {
+  std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  std::uint64_t group_bytes = 0;  // the file holds "max" where there is no limit
+  if (std::ifstream("/sys/fs/cgroup/memory.max") >> group_bytes)
+    bytes = std::min(bytes, group_bytes);
+  return bytes / 4 * 3;
+}
+
+Budget make_budget(const LimitOptions& limits) {
+  static const std::stop_token stop = stop_on_signals();
+  Budget budget;
+  budget.stop = stop;
+  budget.threads = limits.threads ? static_cast<unsigned>(*limits.threads)
+                                  : std::max(1U, std::thread::hardware_concurrency());
+  budget.max_bytes =
+      limits.memory_limit ? *limits.memory_limit * kMebibyte : default_memory_limit();
+  if (limits.time_limit) budget.set_time_limit(*limits.time_limit);
+  return budget;
+}
+
+const Planner& planner_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Planner& planner : planners()) {
+    if (planner.name == name) return planner;
+    names.emplace_back(planner.name);
+  }
+  throw InputError(fmt::format("unknown method {}; the methods are {}{}", in_quotes(name),
+                               fmt::join(names, ", "), suggestion(name, names)));
+}
+
+void note_changes(const ProblemChanges& changes, Settings& settings) {
+  if (changes.objective) settings["objective"] = json_string(*changes.objective);
+  if (changes.direction) settings["direction"] = json_string(*changes.direction);
+  if (changes.max_subassemblies)
+    settings["max-subassemblies"] = fmt::to_string(*changes.max_subassemblies);
+  if (changes.max_moved_parts)
+    settings["max-moved-parts"] = fmt::to_string(*changes.max_moved_parts);
+  if (changes.max_moved_mass) settings["max-moved-mass"] = fmt::to_string(*changes.max_moved_mass);
+  if (changes.robots) settings["robots"] = fmt::to_string(*changes.robots);
+  if (changes.sites) settings["sites"] = fmt::to_string(*changes.sites);
+}
+
+void note_limits(const LimitOptions& limits, Settings& settings) {
+  if (limits.time_limit) settings["time-limit"] = fmt::to_string(*limits.time_limit);
+  if (limits.memory_limit) settings["memory-limit"] = fmt::to_string(*limits.memory_limit);
+}
+
+std::string json_string(std::string_view text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string stop_text(Stop stop) {
+  if (stop == Stop::None) return {};
+  return stop == Stop::Cancelled ? "interrupted"
+                                 : fmt::format("stopped by the {}", stop_name(stop));
+}
+
+int exit_code(const Result& result) {
+  if (result.status == Status::Infeasible) return kNoPlan;
+  return result.stop != Stop::None || result.status == Status::Unknown ? kStopped : kSolved;
+}
+
+}  // namespace orasp::cli

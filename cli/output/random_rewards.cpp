@@ -1,0 +1,27 @@
+#include "cli/output/random_rewards.h"
+
+#include <utility>
+
+#include "orasp/model/scenario_generators.h"
+#include "orasp/planners/random_sequence.h"
+
+namespace orasp::cli {
+
+RandomRewards draw_rewards(const TransitionSystem& system, std::uint64_t count, std::uint64_t seed,
+                           bool with_sequences, const Budget& budget) {
+  RandomRewards drawn;
+  SplitMix64 seeds(seed);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    Result result = random_sequence(system, {.seed = seeds.next()}, budget);
+    if (!result.has_plan()) {
+      drawn.last = std::move(result);
+      break;
+    }
+    drawn.rewards.push_back(result.reward);
+    if (with_sequences) drawn.sequences.push_back(std::move(result.sequence));
+    if (i % 16 == 0) budget.report({.phase = "drawing", .done = i, .total = count});
+  }
+  return drawn;
+}
+
+}  // namespace orasp::cli

@@ -1,0 +1,63 @@
+#include "cli/output/step_table.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/output/text.h"
+
+namespace orasp::cli {
+namespace {
+
+constexpr std::size_t kLeastPieceWidth = 20;
+
+std::string moved_piece(const Problem& problem, const Step& step, std::size_t width) {
+  if (!step.separates) return "-";
+  std::vector<std::string> ids;
+  for (const PartIndex part : step.moved()) ids.push_back(problem.part_id(part));
+  return capped_list(ids, width);
+}
+
+}  // namespace
+
+std::string step_table(const Problem& problem, std::span<const Step> steps,
+                       const Context& context) {
+  std::vector<double> rewards;
+  std::vector<double> totals;
+  std::size_t id_width = std::string_view("connection").size();
+  double total = 0;
+  for (const Step& step : steps) {
+    total += step.reward;
+    rewards.push_back(step.reward);
+    totals.push_back(total);
+    id_width = std::max(id_width, display_width(problem.connection_id(step.connection)));
+  }
+  const std::vector<std::string> reward_texts = aligned_numbers(rewards);
+  const std::vector<std::string> total_texts = aligned_numbers(totals);
+
+  std::size_t number_width = 0;
+  for (const auto* texts : {&reward_texts, &total_texts}) {
+    std::size_t widest = 0;
+    for (const std::string& text : *texts) widest = std::max(widest, text.size());
+    number_width += std::max<std::size_t>(widest, 6) + 2;
+  }
+  const std::size_t others = std::string_view("step  ").size() + id_width + 2 + number_width;
+  const std::size_t piece_width =
+      context.width() > others + kLeastPieceWidth ? context.width() - others : kLeastPieceWidth;
+
+  TextTable table;
+  table.add_column("step", TextTable::Align::Right);
+  table.add_column("connection", TextTable::Align::Left);
+  table.add_column(problem.direction() == Direction::Assembly ? "joins on" : "separates",
+                   TextTable::Align::Left);
+  table.add_column("reward", TextTable::Align::Right);
+  table.add_column("total", TextTable::Align::Right);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    table.add_row({fmt::to_string(i + 1), problem.connection_id(steps[i].connection),
+                   moved_piece(problem, steps[i], piece_width), reward_texts[i], total_texts[i]});
+  }
+  return table.text(context.colour());
+}
+
+}  // namespace orasp::cli

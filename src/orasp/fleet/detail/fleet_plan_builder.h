@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "orasp/fleet/fleet_expander.h"
+
+namespace orasp::detail {
+
+/// A subassembly and the site at which it stands.
+struct PlacedPiece {
+  PartMask parts = 0;
+  PlaceIndex site = 0;
+
+  friend bool operator==(const PlacedPiece&, const PlacedPiece&) = default;
+};
+
+/// One way in which a subassembly becomes certain blocks: which of them stays (0: none) and the robots that takes.
+struct MatchingSplit {
+  PartMask stays = 0;
+  std::size_t robots = 0;
+};
+
+/// The ways in which `piece` becomes exactly the blocks of `after` within it; the others of its parts are freed.
+[[nodiscard]] std::vector<MatchingSplit> matching_splits(FleetExpander& expander, PartMask piece,
+                                                         FleetExpander::Locks locks,
+                                                         std::span<const PartMask> after);
+
+/// The plan that leads through these states, the start first, the empty one last. Sites at the same point are taken
+/// for one another where needed, so a state may name the same site twice if another lies at its point. Each step must be possible with the robots there are.
+[[nodiscard]] FleetPlan build_fleet_plan(FleetExpander& expander,
+                                         const std::vector<std::vector<PlacedPiece>>& states);
+
+}  // namespace orasp::detail

@@ -1,0 +1,153 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "orasp/model/transition_system.h"
+#include "orasp/task/budget.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/containers/reward_column.h"
+#include "orasp/task/result.h"
+
+namespace orasp {
+
+/// A state's number in a StateGraph: 0 is the start, then layer by layer.
+using StateId = std::uint32_t;
+/// An action's number in a StateGraph: rows of states in order, each row ascending by connection.
+using ActionId = std::uint64_t;
+
+/// The consolidated state-action graph H: every state reachable from the start, once, with its
+/// legal actions.
+///
+/// Idea.       Breadth first, one layer for each number of connections handled. A layer is expanded
+///             in parallel; its successors are merged by their ranks among all subsets of their
+///             size where they are a fair part of those, and elsewhere in shards of a hash table
+///             that lives only as long as the layer. Constraints prune as it grows: a state that
+///             no legal action reaches never exists.
+/// Reference.  The paper, section "Our method": consolidation of the tree H~; pruning in section
+///             "Constraints".
+/// Guarantee.  The same graph, numbered the same way, for any number of threads.
+/// Cost.       O(states * (parts + connections) + actions) time; measured in docs/performance.md.
+/// Held.       8 bytes a machine word of the state and 8 for its row; 4 bytes an action for the
+///             successor, 1 (up to 256 connections) or 2 for the connection, and the reward: 1 byte
+///             while at most 256 different rewards occur, 2 up to 65,536, 8 beyond. `hubble-free`:
+///             16 bytes a state, 6 an action.
+/// Limit.      2^32 - 1 states; memory first.
+///
+///     const TransitionSystem system(problem);
+///     const StateGraph graph = StateGraph::build(system, budget);
+///     if (graph.stop() == Stop::None) use(graph.num_states());
+///     for (ActionId a = graph.begin(0); a < graph.end(0); ++a) use(graph.successor(a), graph.reward(a));
+class StateGraph {
+ public:
+  /// Builds H; ends early when the budget does (then stop() says why and only whole layers are
+  /// held).
+  /// @throws InputError as Expander::legal_actions.
+  [[nodiscard]] static StateGraph build(const TransitionSystem& system, const Budget& budget);
+
+  enum class Reweighed {
+    Done,
+    Differs,  ///< other connections, another start, or in some state other legal actions
+    Stopped,  ///< by the budget
+  };
+  /// Gives each action what it earns under `system`, which must outlive the graph from then on: another objective,
+  /// other durations or masses, on the same states and actions. Every state is expanded again, and its actions are
+  /// compared, so a difference (masses under max_moved_mass, say) is found for certain; but nothing is hashed, sorted or
+  /// merged. O(states * (parts + connections)), parallel; any number of threads gives the same bytes. Unless Done, the
+  /// graph stays as it was. Only for a graph that is whole.
+  /// @throws InputError as Expander::legal_actions, and leaves the graph as it was.
+  [[nodiscard]] Reweighed reweigh(const TransitionSystem& system, const Budget& budget);
+
+  [[nodiscard]] const TransitionSystem& system() const { return *system_; }
+  /// Why building ended early; Stop::None if H is whole.
+  [[nodiscard]] Stop stop() const { return stop_; }
+  [[nodiscard]] std::uint64_t num_states() const { return layer_begin_.back(); }
+  [[nodiscard]] std::uint64_t num_actions() const { return successors_.size(); }
+  /// One more than the number of connections, or fewer where every path ends before the goal.
+  [[nodiscard]] std::size_t num_layers() const { return layer_begin_.size() - 1; }
+  /// First state of layer k; layer k ends where layer k + 1 begins.
+  [[nodiscard]] StateId layer_begin(std::size_t layer) const { return layer_begin_[layer]; }
+  [[nodiscard]] StateId layer_end(std::size_t layer) const { return layer_begin_[layer + 1]; }
+  /// The open connections of `state`; valid as long as the graph.
+  [[nodiscard]] SetView state(StateId state) const {
+    return {states_.data() + state * words_, words_};
+  }
+  /// The words of all states, one after another; valid as long as the graph, wherever it is moved.
+  [[nodiscard]] std::span<const std::uint64_t> states() const { return states_.span(); }
+  /// The state in which no connection is open; empty if it is not reachable.
+  [[nodiscard]] std::optional<StateId> goal() const;
+
+  /// Actions of `state`: begin(state) <= id < end(state), ascending by connection.
+  [[nodiscard]] ActionId begin(StateId state) const { return row_begin_[state]; }
+  [[nodiscard]] ActionId end(StateId state) const { return row_begin_[state + 1]; }
+  [[nodiscard]] StateId successor(ActionId action) const { return successors_[action]; }
+  [[nodiscard]] ConnectionIndex connection(ActionId action) const {
+    return wide_connections_.empty() ? narrow_connections_[action] : wide_connections_[action];
+  }
+  [[nodiscard]] double reward(ActionId action) const { return rewards_[action]; }
+  /// All rewards, for loops over many actions (detail::RewardColumn::with_reader).
+  [[nodiscard]] const detail::RewardColumn& rewards() const { return rewards_; }
+  /// Greatest reward of any action; -infinity if there are none.
+  [[nodiscard]] double greatest_reward() const;
+
+  /// Memory held now, and the most that was held while building.
+  [[nodiscard]] std::uint64_t bytes() const;
+  [[nodiscard]] std::uint64_t peak_bytes() const { return peak_bytes_; }
+
+ private:
+  template <std::size_t>
+  friend class StateGraphBuilder;
+  explicit StateGraph(const TransitionSystem& system) : system_(&system), words_(system.words()) {}
+
+  const TransitionSystem* system_;
+  std::size_t words_;
+  Stop stop_ = Stop::None;
+  std::uint64_t peak_bytes_ = 0;
+  std::vector<StateId> layer_begin_;
+  detail::GrowingArray<std::uint64_t> states_;
+  detail::GrowingArray<std::uint64_t> row_begin_;
+  detail::GrowingArray<StateId> successors_;
+  detail::GrowingArray<std::uint8_t> narrow_connections_;  ///< up to 256 connections
+  detail::GrowingArray<std::uint16_t> wide_connections_;
+  detail::RewardColumn rewards_;
+};
+
+/// How large H would be.
+struct GraphEstimate {
+  double states = 0;
+  double actions = 0;
+  double bytes = 0;    ///< to hold it, and to plan on it
+  bool exact = false;  ///< true where no constraint is stated: then states are 2^connections
+};
+
+/// Estimates the size of H without building it, in milliseconds: layer by layer, N(k+1) = N(k) *
+/// b(k) / p(k+1), where b is the mean number of legal actions of sampled states and p the mean
+/// number of legal ways into sampled successors (both sides count the actions between the two
+/// layers). Exact without constraints. Deterministic.
+[[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system);
+
+/// Whether the problem states no constraint, so that every subset of the connections is a state.
+[[nodiscard]] bool unconstrained(const TransitionSystem& system);
+
+/// The size that H would have if nothing were constrained: 2^connections states. Constraints only take states away.
+[[nodiscard]] GraphEstimate estimate_without_constraints(const TransitionSystem& system);
+
+/// Memory that planners may take under `budget`: its max_bytes, and in any case not more than 80 %
+/// of what the machine has.
+[[nodiscard]] std::uint64_t allowed_bytes(const Budget& budget);
+
+/// Whether H is estimated to fit in allowed_bytes(budget).
+[[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);
+
+/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget) (a sampled estimate
+/// may exceed it twofold: the limit still ends the build); the sentence gives the estimate and the methods that
+/// do not build H. `method` is the one refused; `other_bytes`, if not 0, is what a table of all subsets would take, to
+/// be named too.
+void require_graph_fits(const TransitionSystem& system, const Budget& budget,
+                        const std::string& method, double other_bytes = 0);
+
+}  // namespace orasp

@@ -1,0 +1,105 @@
+#include "orasp/learning/policy.h"
+
+#include <algorithm>
+#include <string>
+
+#include "orasp/model/error.h"
+#include "orasp/planners/depth_first_plan.h"
+#include "orasp/planners/planner_support.h"
+
+namespace orasp {
+
+namespace {
+
+/// out += factor * row. Compiled for several processors; the same numbers on each, since every element is on its own and
+/// nothing is fused.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+__attribute__((target_clones("avx2", "default")))
+#endif
+void add_scaled(const float* row, float factor, float* out, std::size_t size) {
+  for (std::size_t o = 0; o < size; ++o) {
+    out[o] += factor * row[o];
+  }
+}
+
+}  // namespace
+
+bool operator==(const DenseLayer& a, const DenseLayer& b) {
+  return a.inputs == b.inputs && a.outputs == b.outputs && a.weights == b.weights &&
+         a.bias == b.bias;
+}
+
+PolicyEvaluator::PolicyEvaluator(const Policy& policy) : policy_(policy) {}
+
+std::span<const float> PolicyEvaluator::outputs(SetView open) {
+  for (std::size_t l = 0; l < policy_.layers.size(); ++l) {
+    const DenseLayer& layer = policy_.layers[l];
+    out_ = layer.bias;
+    if (l == 0) {
+      for_each_connection(open, [&](ConnectionIndex c) {
+        add_scaled(layer.weights.data() + c * layer.outputs, 1.0F, out_.data(), layer.outputs);
+      });
+    } else {
+      for (std::size_t i = 0; i < layer.inputs; ++i) {
+        if (in_[i] > 0)
+          add_scaled(layer.weights.data() + i * layer.outputs, in_[i], out_.data(), layer.outputs);
+      }
+    }
+    std::swap(in_, out_);
+  }
+  return in_;
+}
+
+void PolicyEvaluator::values(SetView open, std::span<const Action> actions,
+                             std::span<double> values) {
+  const std::span<const float> out = outputs(open);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    values[i] = policy_.scale * static_cast<double>(out[actions[i].connection]) +
+                (policy_.adds_reward ? actions[i].reward : 0);
+  }
+}
+
+std::size_t PolicyEvaluator::choose(SetView open, std::span<const Action> actions) {
+  values_.resize(actions.size());
+  values(open, actions, values_);
+  return static_cast<std::size_t>(std::ranges::max_element(values_) - values_.begin());
+}
+
+Result follow_policy(const TransitionSystem& system, const Policy& policy,
+                     const ConnectionSet& from, const ConnectionSet& forbidden,
+                     const Budget& budget) {
+  if (policy.num_connections() != system.num_connections()) {
+    throw InputError("the policy is for " + std::to_string(policy.num_connections()) +
+                     " connections, the problem has " + std::to_string(system.num_connections()));
+  }
+  PolicyEvaluator evaluator(policy);
+  std::vector<double> values;
+  std::vector<std::pair<double, Action>> ranked;
+  const auto best_first = [&](SetView open, std::span<Action> actions) {
+    values.resize(actions.size());
+    evaluator.values(open, actions, values);
+    ranked.clear();
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      if (!forbidden.contains(actions[i].connection)) ranked.emplace_back(values[i], actions[i]);
+    }
+    std::ranges::stable_sort(ranked,
+                             [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (std::size_t i = 0; i < ranked.size(); ++i) actions[i] = ranked[i].second;
+    return ranked.size();
+  };
+  ConnectionSet to(system.num_connections());
+  for_each_connection(forbidden.view(), [&](ConnectionIndex c) {
+    if (from.contains(c)) to.insert(c);
+  });
+  return detail::depth_first_search(system, from, to, budget, "dqn", best_first);
+}
+
+Result follow_policy(const TransitionSystem& system, const Policy& policy, const Budget& budget) {
+  if (auto result = detail::settled(system, "dqn")) return *result;
+  Result result = follow_policy(system, policy, system.start(),
+                                ConnectionSet(system.num_connections()), budget);
+  if (result.status == Status::Feasible) detail::judge_by(detail::bound_of_start(system), result);
+  return result;
+}
+
+}  // namespace orasp

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "orasp/model/transition_system.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
+
+namespace orasp {
+
+/// One fully connected layer: out[o] = bias[o] + sum over i of in[i] * weights[i * outputs + o].
+struct DenseLayer {
+  std::size_t inputs = 0;
+  std::size_t outputs = 0;
+  std::vector<float> weights;  ///< shape [inputs, outputs]
+  std::vector<float> bias;     ///< shape [outputs]
+};
+
+/// What training leaves: a network that says for each open connection what handling it next is worth, as plain weights.
+///
+/// In: the paper's indicator vector of the open connections, shape [connections]. Between layers: max(0, x). Out: one
+/// number a connection, shape [connections]; an action's worth is
+///
+///     scale * out[c] + (adds_reward ? r(s, c) : 0)
+///
+/// up to a number that all actions of a state share.
+struct Policy {
+  std::vector<DenseLayer> layers;
+  double scale = 1;          ///< > 0
+  bool adds_reward = false;  ///< the network was trained on what comes after the step's own reward
+
+  [[nodiscard]] std::size_t num_connections() const {
+    return layers.empty() ? 0 : layers.front().inputs;
+  }
+  friend bool operator==(const Policy&, const Policy&) = default;
+};
+[[nodiscard]] bool operator==(const DenseLayer&, const DenseLayer&);
+
+/// All that a later training needs to go on where one stopped, but for its replay buffer, which fills again.
+struct TrainingState {
+  std::uint64_t episodes = 0;
+  std::uint64_t steps = 0;
+  std::uint64_t updates = 0;
+  double seconds = 0;
+  double scale = 1;  ///< of the network's numbers, in units of reward
+  std::vector<double>
+      baseline;  ///< mean rest of random episodes by open connections; shape [connections + 1]
+  std::vector<std::size_t> hidden;
+  bool known_reward = true;
+  std::uint64_t random = 0;           ///< state of the random numbers
+  std::vector<ConnectionIndex> best;  ///< the best plan of any episode
+  std::vector<float> network;         ///< Network::state()
+};
+
+/// The outcome of a training.
+struct TrainedPolicy {
+  Policy policy;  ///< the best met; no layers where training was stopped before the first
+  /// What the plan earns that it makes from the start; -infinity where none was found soon.
+  double reward = -std::numeric_limits<double>::infinity();
+  TrainingState training;
+};
+
+/// Asks a policy. Holds scratch memory: one for each thread. The same numbers on every machine: each output is summed in
+/// one order, without fused operations.
+class PolicyEvaluator {
+ public:
+  /// The policy must outlive it.
+  explicit PolicyEvaluator(const Policy& policy);
+
+  /// The network's outputs in a state, shape [connections]; valid until the next call. O(weights), less what the open
+  /// connections and the units at 0 save: about a microsecond at two layers of 128 and 19 connections.
+  [[nodiscard]] std::span<const float> outputs(SetView open);
+  /// What each action is worth, in units of reward.
+  void values(SetView open, std::span<const Action> actions, std::span<double> values);
+  /// The place in `actions` of the one worth most; of several the first. `actions` must not be empty: leave out of it
+  /// what is forbidden, and the policy answers for the rest.
+  [[nodiscard]] std::size_t choose(SetView open, std::span<const Action> actions);
+
+ private:
+  const Policy& policy_;
+  std::vector<float> in_;
+  std::vector<float> out_;
+  std::vector<double> values_;
+};
+
+/// The plan that a policy makes: in every state the legal action that it values most. From `from` (else the
+/// start) until only `forbidden` is left, which is never handled.
+///
+/// Guarantee.  A plan if there is one (Feasible); Infeasible only after everything was tried: at a dead end it goes back
+///             one step and takes the next best. Optimal where the plan earns an upper bound (BoundKind::Best).
+/// Cost.       One pass of the network for each state met; without dead ends one for each connection.
+/// @throws InputError if the policy is for another number of connections.
+[[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
+                                   const Budget& budget);
+[[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
+                                   const ConnectionSet& from, const ConnectionSet& forbidden,
+                                   const Budget& budget);
+
+}  // namespace orasp

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "orasp/planners/planner_support.h"
+#include "orasp/containers/state_table.h"
+
+namespace orasp::detail {
+
+/// Finds some legal sequence from the state `from` (open connections) to the state `to`, a subset of it, depth first,
+/// backtracking at dead ends. `arrange(open, std::span<Action>)` puts the legal actions of a state into the order in
+/// which they are tried and returns how many of them to try; it leaves out those of `to`. States from which everything
+/// failed are kept in a table, so none is tried twice; so it is complete over the actions that `arrange` keeps.
+template <class Arrange>
+[[nodiscard]] Result depth_first_search(const TransitionSystem& system, const ConnectionSet& from,
+                                        const ConnectionSet& to, const Budget& budget,
+                                        std::string_view method, Arrange&& arrange) {
+  // A state of thousands of connections takes a millisecond.
+  const std::uint64_t poll_every = system.num_connections() < 1000 ? 64 : 4;
+  const Stopwatch watch;
+  Result result;
+  result.method = method;
+  Statistics& statistics = result.statistics;
+  Expander expander(system);
+  StateTable<0> failed(system.words());
+  ConnectionSet state = from;
+  const std::size_t goal_depth = from.size() - to.size();
+
+  std::vector<Action> actions;
+  std::vector<std::size_t>
+      frames;  ///< where each state's untried actions begin in `actions`, last to be tried first
+  std::vector<Action> taken;
+  result.stop = budget.expired();
+  while (result.stop == Stop::None && taken.size() < goal_depth) {
+    if (frames.size() == taken.size()) {  // a new state
+      const bool known_failure =
+          failed.size() > 0 && failed.find(state.view().data()) != StateTable<0>::kAbsent;
+      const std::size_t begin = actions.size();
+      if (!known_failure) {
+        const auto legal = expander.legal_actions(state.view());
+        actions.insert(actions.end(), legal.begin(), legal.end());
+        const auto mine = std::span(actions).subspan(begin);
+        const std::size_t kept = arrange(state.view(), mine);
+        actions.resize(begin + kept);
+        std::ranges::reverse(std::span(actions).subspan(begin));
+        ++statistics.expanded;
+      } else {
+        ++statistics.pruned;
+      }
+      frames.push_back(begin);
+      if (statistics.expanded % poll_every == 0 || budget.max_expansions < poll_every) {
+        result.stop =
+            budget.expired(failed.bytes() + actions.size() * sizeof(Action), statistics.expanded);
+      }
+    }
+    if (actions.size() == frames.back()) {  // everything failed here
+      failed.insert(state.view().data());
+      frames.pop_back();
+      if (frames.empty()) break;
+      state.insert(taken.back().connection);
+      taken.pop_back();
+      continue;
+    }
+    taken.push_back(actions.back());
+    actions.pop_back();
+    state.erase(taken.back().connection);
+    ++statistics.generated;
+  }
+
+  statistics.states = failed.size();
+  statistics.peak_bytes = failed.bytes() + actions.capacity() * sizeof(Action);
+  if (taken.size() == goal_depth) {
+    result.stop = Stop::None;
+    // The empty plan is the only one; any other is just a plan.
+    result.status = goal_depth == 0 ? Status::Optimal : Status::Feasible;
+    if (goal_depth == 0) result.bound = 0;
+    result.reward = 0;
+    for (const Action& action : taken) {
+      result.sequence.push_back(action.connection);
+      result.reward += action.reward;
+    }
+  } else if (result.stop == Stop::None) {
+    result = exhausted(method, statistics);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+/// Finds some plan: the frame of `greedy` and `random`. `arrange` as above, for all connections.
+template <class Arrange>
+[[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
+                                      std::string_view method, Arrange&& arrange) {
+  if (auto result = settled(system, method)) return *result;
+  return depth_first_search(system, system.start(), ConnectionSet(system.num_connections()), budget,
+                            method, std::forward<Arrange>(arrange));
+}
+
+}  // namespace orasp::detail

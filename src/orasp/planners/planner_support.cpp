@@ -1,0 +1,141 @@
+#include "orasp/planners/planner_support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "orasp/planners/feasibility.h"
+#include "orasp/planners/greedy.h"
+
+namespace orasp::detail {
+
+std::optional<Result> settled(const TransitionSystem& system, std::string_view method) {
+  const auto reason = system.infeasibility();
+  if (!reason) return std::nullopt;
+  Result result;
+  result.method = method;
+  result.status = Status::Infeasible;
+  result.notes.push_back("no plan exists: " + reason->message);
+  return result;
+}
+
+namespace {
+
+/// Seconds for a plan after the limit has struck, where a plan may take longer than some milliseconds.
+constexpr double kAtOnce = 0.04;
+constexpr std::size_t kSmall = 600;  ///< connections
+
+/// A plan where greedy runs into dead ends: the first legal order, whatever it earns.
+Result any_plan(const TransitionSystem& system, const Budget& budget) {
+  Result result;
+  if (system.ordered()) return result;
+  const bool assembly = system.problem().direction() == Direction::Assembly;
+  const ConnectionSet none(system.num_connections());
+  const ConnectionSet start = system.present(system.start().view());
+  const ConnectionSet goal = system.present(none.view());
+  Feasibility found =
+      find_order(system.problem(), assembly ? goal : start, assembly ? start : goal, budget);
+  if (found.status != Status::Feasible) return result;
+  if (assembly) std::ranges::reverse(found.order);
+  result.sequence = std::move(found.order);
+  result.status = Status::Feasible;
+  result.reward = reward_of(system, result.sequence);
+  return result;
+}
+
+}  // namespace
+
+double reward_of(const TransitionSystem& system, std::span<const ConnectionIndex> sequence) {
+  Expander expander(system);
+  ConnectionSet open = system.start();
+  double reward = 0;
+  for (const ConnectionIndex c : sequence) {
+    reward += expander.step(open.view(), c).reward;
+    open.erase(c);
+  }
+  return reward;
+}
+
+Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
+               const Statistics& statistics) {
+  Budget at_once;
+  at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_steps(), 2000);
+  const bool small = system.num_connections() <= kSmall;
+  if (!small) at_once.set_time_limit(kAtOnce);
+  Result result = greedy(system, at_once);
+  if (!result.has_plan()) {
+    if (!small) at_once.set_time_limit(kAtOnce);
+    result = any_plan(system, at_once);
+  }
+  if (result.status == Status::Infeasible)
+    result.status = Status::Unknown;  // not this method's proof
+  result.method = method;
+  result.stop = stop;
+  result.statistics = statistics;
+  result.notes.clear();
+  if (result.has_plan())
+    result.notes.emplace_back(
+        "the plan is a quick one: the method was stopped before it had its own");
+  return result;
+}
+
+Result exhausted(std::string_view method, const Statistics& statistics) {
+  Result result;
+  result.method = method;
+  result.status = Status::Infeasible;
+  result.statistics = statistics;
+  result.notes.push_back(
+      "no plan exists: every legal sequence ends in a state from which no step is legal");
+  return result;
+}
+
+InputError no_bound(const TransitionSystem& system, std::string_view method, BoundKind bound) {
+  const std::string name(method);
+  const std::string& objective = system.problem().objective().type;
+  if (bound == BoundKind::Best) {
+    return InputError(name +
+                      " needs a bound on what a step can earn, and none is known for the objective "
+                      "'" +
+                      objective +
+                      "'; use value-iteration, dijkstra, bellman-ford or exhaustive instead");
+  }
+  return InputError(name + ": the bound '" +
+                    std::string(kBoundNames[static_cast<std::size_t>(bound)]) +
+                    "' knows nothing about this problem under the objective '" + objective +
+                    "'; use the bound 'best'");
+}
+
+Statistics statistics_of(const StateGraph& graph) {
+  Statistics statistics;
+  statistics.states = graph.num_states();
+  statistics.actions = graph.num_actions();
+  statistics.expanded = graph.num_states();
+  statistics.generated = graph.num_actions();
+  statistics.peak_bytes = graph.peak_bytes();
+  return statistics;
+}
+
+std::optional<double> bound_of_start(const TransitionSystem& system) {
+  const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
+  if (!bound->known()) return std::nullopt;
+  const double most = (*bound)(system.start().view());
+  return std::isfinite(most) ? std::optional(most) : std::nullopt;
+}
+
+bool meets(double reward, double bound) {
+  return bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
+}
+
+void judge_by(std::optional<double> bound, Result& result) {
+  if (bound && meets(result.reward, *bound)) {
+    result.status = Status::Optimal;
+    result.stop = Stop::None;
+    result.bound = result.reward;
+  } else {
+    result.status = Status::Feasible;
+    if (bound) result.bound = std::max(*bound, result.reward);
+  }
+}
+
+}  // namespace orasp::detail
