@@ -1,4 +1,5 @@
-// Where the time goes: expanding states, building H, each planner on it. `threads` is the last argument of each name.
+// Where the time goes: expanding states, building H, each planner on it. `threads` is the last
+// argument of each name.
 //
 //   build/release/benchmarks/orasp_benchmarks --benchmark_filter=graph
 //

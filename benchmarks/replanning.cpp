@@ -1,12 +1,15 @@
-// Seconds of one replanning query: each open connection of a problem becomes inaccessible at each of some steps of its plan.
+// Seconds of one replanning query: each open connection of a problem becomes inaccessible at each
+// of some steps of its plan.
 //
 //     build/release/benchmarks/orasp_replanning [PROBLEM [EVERY]]     (hubble, every step)
 //
 //     build/release/benchmarks/orasp_replanning reweigh [PROBLEM]     (hubble-free)
 //
-// Seconds of generating H and of replacing its rewards, one thread, under each objective without parameters.
+// Seconds of generating H and of replacing its rewards, one thread, under each objective without
+// parameters.
 //
-// The first prints one line: queries, how many are held, proved, the median, the 99th percentile and the longest.
+// The first prints one line: queries, how many are held, proved, the median, the 99th percentile
+// and the longest.
 
 #include <algorithm>
 #include <charconv>
@@ -15,10 +18,10 @@
 #include <string_view>
 #include <vector>
 
-#include "orasp/io/scenarios.h"
-#include "orasp/task/budget.h"
 #include "orasp/execution/replanner.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/io/scenarios.h"
+#include "orasp/task/budget.h"
 
 namespace {
 

@@ -29,9 +29,9 @@
 #include "cli/commands/command_solve.h"
 #include "cli/commands/command_train.h"
 #include "cli/exit_codes.h"
-#include "cli/signals.h"
-#include "cli/output/text.h"
 #include "cli/options/values.h"
+#include "cli/output/text.h"
+#include "cli/signals.h"
 #include "orasp/bounds/bounds.h"
 
 namespace orasp::cli {
@@ -242,10 +242,11 @@ class CommandLine {
 void add_problem_options(CommandLine& line, ProblemChanges& changes) {
   line.group("Changes to the problem");
   line.text("--objective", "TYPE|FILE",
-            fmt::format("What a step earns: {}; or a JSON file that holds an objective (default: "
-                        "as in the file). Several robots: makespan, the fewest steps, or travel, the least "
-                        "(default: makespan).",
-                        fmt::join(kObjectiveTypes, ", ")),
+            fmt::format(
+                "What a step earns: {}; or a JSON file that holds an objective (default: "
+                "as in the file). Several robots: makespan, the fewest steps, or travel, the least "
+                "(default: makespan).",
+                fmt::join(kObjectiveTypes, ", ")),
             changes.objective);
   line.text("--direction", "DIRECTION", "disassembly or assembly (default: as in the file).",
             changes.direction);
@@ -331,10 +332,11 @@ int solve_command(const Arguments& arguments) {
   line.real("--initial-value", "REWARD",
             "value-iteration: value of every state to begin with (default: 0).",
             options.initial_value, Sign::Any);
-  line.whole("--steps", "N",
-             "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
-             "fewest possible).",
-             options.steps, 1, 1'000'000);
+  line.whole(
+      "--steps", "N",
+      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+      "fewest possible).",
+      options.steps, 1, 1'000'000);
   line.group("Other plans");
   line.flag("--count", options.count,
             "Count the optimal sequences; builds H whatever the method (default: do not).");
@@ -497,10 +499,11 @@ int compare_command(const Arguments& arguments) {
             "fleets where there is a fleet).",
             options.methods);
   add_seed_option(line, options.seed, "the methods that draw random numbers");
-  line.whole("--steps", "N",
-             "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
-             "fewest possible).",
-             options.steps, 1, 1'000'000);
+  line.whole(
+      "--steps", "N",
+      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+      "fewest possible).",
+      options.steps, 1, 1'000'000);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits, " each run");
   add_output_options(line, options.json, options.output, quiet, "the table");
@@ -696,7 +699,8 @@ int paper_command(const Arguments& arguments) {
   CommandLine line("paper",
                    "Computes everything of the paper again that can be computed, beside the\n"
                    "printed numbers: DIR/paper.html, paper.md, paper.json, figures/*.svg.");
-  line.text("-o,--output", "DIR", "Write into this folder, which is made if it is missing (default: orasp-paper).",
+  line.text("-o,--output", "DIR",
+            "Write into this folder, which is made if it is missing (default: orasp-paper).",
             options.folder);
   line.flag("--quick", options.effort.quick,
             "Fewer repeats, smaller growth, training of a second or two (default: a few minutes).");
@@ -718,16 +722,19 @@ int paper_command(const Arguments& arguments) {
 int report_command(const Arguments& arguments) {
   ReportOptions options;
   bool quiet = false;
-  CommandLine line("report",
-                   "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
-                   "as a drawing, each plan step by step with what allows it, charts, what is proved.");
+  CommandLine line(
+      "report",
+      "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
+      "as a drawing, each plan step by step with what allows it, charts, what is proved.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.positionals("[PLAN]", options.plans,
                    "plans to show, several side by side: files as for `orasp evaluate`, - for "
                    "standard input (default: what auto finds)");
   line.group("Page");
-  line.text("-o,--output", "FILE", "Write the page to FILE, whole or not at all; - prints it (default: none, with --svg alone).",
-            options.output);
+  line.text(
+      "-o,--output", "FILE",
+      "Write the page to FILE, whole or not at all; - prints it (default: none, with --svg alone).",
+      options.output);
   line.text("--svg", "DIR",
             "Draw the figures of the problem and of the first plan as SVG files into this folder, "
             "which is made if it is missing (default: none).",

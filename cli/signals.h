@@ -5,8 +5,8 @@
 namespace orasp::cli {
 
 /// To be called once, first of all: a closed pipe and a file that may not grow become errors of
-/// write(), and descriptors 0 to 2 that the caller closed are taken, so that no file opened later is
-/// mistaken for one of them.
+/// write(), and descriptors 0 to 2 that the caller closed are taken, so that no file opened later
+/// is mistaken for one of them.
 void prepare_streams();
 
 /// From now on the first SIGINT or SIGTERM requests a stop, so that the best plan so far can be

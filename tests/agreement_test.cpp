@@ -1,5 +1,5 @@
-// Every planner against brute force on seeded random problems (tests/random_problems.h, tests/oracle.h). A failing seed
-// is named by SCOPED_TRACE; random_problem(seed) is that problem.
+// Every planner against brute force on seeded random problems (tests/random_problems.h,
+// tests/oracle.h). A failing seed is named by SCOPED_TRACE; random_problem(seed) is that problem.
 
 #include <algorithm>
 #include <array>
@@ -10,14 +10,14 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/bounds/bounds.h"
 #include "orasp/catalogue.h"
+#include "orasp/graph/graph_size.h"
+#include "orasp/graph/state_graph.h"
+#include "orasp/mip/mip.h"
 #include "orasp/model/error.h"
 #include "orasp/planners/and_or.h"
-#include "orasp/bounds/bounds.h"
-#include "orasp/graph/graph_size.h"
 #include "orasp/planners/greedy.h"
-#include "orasp/mip/mip.h"
-#include "orasp/graph/state_graph.h"
 #include "tests/checks.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
@@ -154,7 +154,8 @@ TEST_P(Agreement, ValuesOfEveryStateAreTheOracles) {
   });
 }
 
-// Admissible: never below the best that is left. Consistent: along an action it falls by at least the reward.
+// Admissible: never below the best that is left. Consistent: along an action it falls by at least
+// the reward.
 TEST_P(Agreement, ConnectionBoundIsAdmissibleAndConsistentInEveryState) {
   for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
     const Problem problem(spec);
@@ -181,7 +182,8 @@ TEST_P(Agreement, ConnectionBoundIsAdmissibleAndConsistentInEveryState) {
   });
 }
 
-// The same for the bounds from pieces, where they say anything; and what is claimed of plans that meet them.
+// The same for the bounds from pieces, where they say anything; and what is claimed of plans that
+// meet them.
 TEST_P(Agreement, PieceBoundsAreAdmissibleAndConsistentInEveryState) {
   for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
     const Problem problem(spec);
@@ -337,7 +339,8 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
     if (!joined.contains(part.id)) features.insert("part without a connection");
   }
 
-  // What happens in its states: several pieces at the start, steps that each rule forbids, ties of the moved piece.
+  // What happens in its states: several pieces at the start, steps that each rule forbids, ties of
+  // the moved piece.
   const std::array<std::string, 6> rules = {"precedence (after)", "precedence (after_any)",
                                             "max_subassemblies",  "max_moved_parts",
                                             "max_moved_mass",     "blocking"};
@@ -368,7 +371,8 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   return features;
 }
 
-// The comparison is worth what the problems are worth: each feature must occur often among the seeds.
+// The comparison is worth what the problems are worth: each feature must occur often among the
+// seeds.
 TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
   std::map<std::string, int> seen;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {

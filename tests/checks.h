@@ -16,7 +16,8 @@ namespace orasp {
   return 1e-9 * std::max(1.0, std::isfinite(reward) ? std::abs(reward) : 1.0);
 }
 
-/// What planners run with where their answers must be right but not the best: training is one round of episodes.
+/// What planners run with where their answers must be right but not the best: training is one round
+/// of episodes.
 [[nodiscard]] inline Options quick_options() {
   Options options;
   options.dqn.episodes = 65;  // 64 random ones, and a round
@@ -25,16 +26,18 @@ namespace orasp {
   return options;
 }
 
-/// Everything that must hold of any answer of any planner to `problem`, stopped or not: a plan is legal and its reward
-/// is right (by the oracle and by evaluate()), claims of optimality and infeasibility and the bound are true, and a
-/// planner that was not stopped has settled what it must. `truth` is brute_force() of the problem.
+/// Everything that must hold of any answer of any planner to `problem`, stopped or not: a plan is
+/// legal and its reward is right (by the oracle and by evaluate()), claims of optimality and
+/// infeasibility and the bound are true, and a planner that was not stopped has settled what it
+/// must. `truth` is brute_force() of the problem.
 void expect_honest(const Problem& problem, const oracle::OracleResult& truth,
                    const Planner& planner, const Result& result);
 
 /// Two runs answered the same: everything but times and sizes.
 void expect_same_answer(const Result& one, const Result& other);
 
-/// Whether reward_range() can know a bound: no expression and no callable without a range in the objective.
+/// Whether reward_range() can know a bound: no expression and no callable without a range in the
+/// objective.
 [[nodiscard]] bool range_is_known(const Objective& objective);
 
 }  // namespace orasp

@@ -15,8 +15,8 @@ namespace orasp {
   return ORASP_SOURCE_DIR;
 }
 
-/// The folder with the published material that is not part of the project: the variable ORASP_SHARED, or shared/ beside
-/// the sources. It may not exist; a test that needs it then skips.
+/// The folder with the published material that is not part of the project: the variable
+/// ORASP_SHARED, or shared/ beside the sources. It may not exist; a test that needs it then skips.
 [[nodiscard]] inline std::filesystem::path shared_folder() {
   const char* folder = std::getenv("ORASP_SHARED");
   return folder != nullptr ? std::filesystem::path(folder)

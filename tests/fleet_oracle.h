@@ -11,8 +11,9 @@
 
 #include "orasp/model/problem.h"
 
-/// The fleet problem worked out once more, straight from the rules of docs/format.md and from the ids and numbers of the
-/// problem alone: states with a place for every part, and every motion of every part.
+/// The fleet problem worked out once more, straight from the rules of docs/format.md and from the
+/// ids and numbers of the problem alone: states with a place for every part, and every motion of
+/// every part.
 namespace orasp::fleet_oracle {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -29,11 +30,12 @@ class World {
 
   [[nodiscard]] std::size_t parts() const { return spec_.parts.size(); }
   [[nodiscard]] std::vector<State> starts() const;
-  /// The state after a step with these motions (0 stays, 1 to 6 along +x -x +y -y +z -z) and places; empty if a rule
-  /// forbids it.
+  /// The state after a step with these motions (0 stays, 1 to 6 along +x -x +y -y +z -z) and
+  /// places; empty if a rule forbids it.
   [[nodiscard]] std::optional<State> after(const State& before, const std::vector<int>& motion,
                                            const std::vector<int>& place) const;
-  /// Every state after one step, with the travel of the step; the least where several steps lead there.
+  /// Every state after one step, with the travel of the step; the least where several steps lead
+  /// there.
   [[nodiscard]] std::map<State, double> successors(const State& before) const;
   [[nodiscard]] static bool done(const State& state);
 
@@ -60,8 +62,8 @@ struct Truth {
 /// Looks at `steps` steps for travel, and at as many as it takes for the makespan.
 [[nodiscard]] Truth brute_force(const ProblemSpec& spec, std::size_t steps);
 
-/// A small random fleet problem: 1 to 6 parts, on a raster or with random axes, in one piece or several, with every
-/// constraint now and then.
+/// A small random fleet problem: 1 to 6 parts, on a raster or with random axes, in one piece or
+/// several, with every constraint now and then.
 [[nodiscard]] ProblemSpec random_fleet(std::uint64_t seed);
 
 }  // namespace orasp::fleet_oracle

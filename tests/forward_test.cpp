@@ -1,5 +1,6 @@
-// Planning forwards (direction assembly): where a forward step earns what the backward step of the same cut earns, both
-// directions have the same optimum, by every exact planner; where it does not, they differ as worked out by hand.
+// Planning forwards (direction assembly): where a forward step earns what the backward step of the
+// same cut earns, both directions have the same optimum, by every exact planner; where it does not,
+// they differ as worked out by hand.
 
 #include <algorithm>
 #include <array>
@@ -21,8 +22,8 @@
 namespace orasp {
 namespace {
 
-/// Objectives whose steps earn the same in both directions. piece_cost is none of them, even with completion 0: its last
-/// step is free, and the last step cuts other pieces than it joins.
+/// Objectives whose steps earn the same in both directions. piece_cost is none of them, even with
+/// completion 0: its last step is free, and the last step cuts other pieces than it joins.
 std::vector<Objective> symmetric_objectives(const ProblemSpec& spec) {
   std::vector<Objective> objectives = {
       parse_objective(
@@ -43,7 +44,8 @@ std::vector<Objective> symmetric_objectives(const ProblemSpec& spec) {
 std::vector<const Planner*> exact_planners(const Problem& problem) {
   std::vector<const Planner*> chosen;
   for (const Planner& planner : one_robot_planners()) {
-    // The integer program has objectives that it does not take, and seconds of its own: tests/mip/mip_test.cpp.
+    // The integer program has objectives that it does not take, and seconds of its own:
+    // tests/mip/mip_test.cpp.
     if (planner.exact && planner.name != "q-learning" && planner.name != "mip" &&
         (planner.name != "exhaustive" || problem.num_connections() <= 6))
       chosen.push_back(&planner);
@@ -137,18 +139,19 @@ std::array<double, 2> both_optima(const Objective& objective) {
 }
 
 TEST(Forward, RewardsThatSeeTheEndOrTheOrderDifferAsByHand) {
-  // cubesat: backwards the first cut costs a single part and a pair, the last earns 1; forwards the first join costs two
-  // single parts, the last, of the pair and a part, earns 1.
+  // cubesat: backwards the first cut costs a single part and a pair, the last earns 1; forwards the
+  // first join costs two single parts, the last, of the pair and a part, earns 1.
   const auto cubesat = both_optima(Objective::named("cubesat"));
   EXPECT_NEAR(cubesat[0], 1 - 0.0967 - 0.1248, 1e-12);
   EXPECT_NEAR(cubesat[1], 1 - 2 * 0.0967, 1e-12);
-  // indexed: backwards n = 2 and i = 0 earns 2, then n = 1 and i = 1 earns -1. Forwards n = 0, then n = 1: i < n - 1
-  // never holds, -1 twice.
+  // indexed: backwards n = 2 and i = 0 earns 2, then n = 1 and i = 1 earns -1. Forwards n = 0, then
+  // n = 1: i < n - 1 never holds, -1 twice.
   const auto indexed = both_optima(Objective::named("indexed"));
   EXPECT_EQ(indexed[0], 1);
   EXPECT_EQ(indexed[1], -2);
-  // A callable that pays for the larger piece kept when few connections are there before the step: forwards with none
-  // before (kept: one part) then one (kept: two); backwards with two before (kept: two), then one (kept: one).
+  // A callable that pays for the larger piece kept when few connections are there before the step:
+  // forwards with none before (kept: one part) then one (kept: two); backwards with two before
+  // (kept: two), then one (kept: one).
   const auto callable = both_optima(Objective(
       "callable", Callable{.name = "kept by before", .reward = [](const Step& step) {
                              return static_cast<double>(step.kept().size() * (3 - step.before));

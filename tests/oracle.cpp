@@ -182,7 +182,8 @@ double World::mass_of(const Parts& piece) const {
   return mass;
 }
 
-/// The one with fewer parts; on a tie the lighter; on a tie the one that does not hold the earliest listed part.
+/// The one with fewer parts; on a tie the lighter; on a tie the one that does not hold the earliest
+/// listed part.
 bool World::first_moves(const Parts& a, const Parts& b) const {
   if (a.size() != b.size()) return a.size() < b.size();
   if (!same(mass_of(a), mass_of(b))) return mass_of(a) < mass_of(b);

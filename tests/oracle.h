@@ -11,9 +11,10 @@
 #include "orasp/model/problem.h"
 #include "orasp/model/transition_system.h"
 
-/// The contract of docs/format.md once more, written straight from its sentences and as slowly as it reads: the other
-/// side of every comparison in the tests. It takes a problem's data and nothing else of the library: connectivity,
-/// legality, moved piece, masses and rewards are worked out here from the ids and numbers of the ProblemSpec.
+/// The contract of docs/format.md once more, written straight from its sentences and as slowly as
+/// it reads: the other side of every comparison in the tests. It takes a problem's data and nothing
+/// else of the library: connectivity, legality, moved piece, masses and rewards are worked out here
+/// from the ids and numbers of the ProblemSpec.
 namespace orasp::oracle {
 
 /// The open connections, by position in the file: those still to be handled, in either direction.
@@ -49,8 +50,8 @@ struct Facts {
   std::size_t after = 0;
   bool separates = false;
   bool completes = false;
-  Parts
-      a;  ///< the piece of the connection's first part; empty unless it separates, as all that follows
+  Parts a;  ///< the piece of the connection's first part; empty unless it separates, as all that
+            ///< follows
   Parts b;
   Parts moved;
   double moved_mass = 0;
@@ -120,8 +121,8 @@ struct OracleResult {
 
 [[nodiscard]] OracleResult brute_force(const ProblemSpec& spec);
 
-/// The same figures (no maps, layers, states or actions) from the tree of all sequences, nothing remembered: checks
-/// brute_force itself. For at most 6 connections or so.
+/// The same figures (no maps, layers, states or actions) from the tree of all sequences, nothing
+/// remembered: checks brute_force itself. For at most 6 connections or so.
 [[nodiscard]] OracleResult enumerate(const ProblemSpec& spec);
 
 struct OracleReplay {

@@ -1,4 +1,5 @@
-// The oracle itself: against plain enumeration (agreement_test.cpp) and, here, against published and hand-worked values.
+// The oracle itself: against plain enumeration (agreement_test.cpp) and, here, against published
+// and hand-worked values.
 
 #include "tests/oracle.h"
 

@@ -46,8 +46,8 @@ struct Row {
   }
 };
 
-/// Where no methods are named, and the problem has a fleet: every method for fleets, unless an objective of one robot
-/// is asked for. Else every exact method for one robot.
+/// Where no methods are named, and the problem has a fleet: every method for fleets, unless an
+/// objective of one robot is asked for. Else every exact method for one robot.
 std::vector<const Planner*> all_methods(const Problem& problem, const CompareOptions& options) {
   const bool for_fleet =
       problem.spec().fleet &&
@@ -81,7 +81,8 @@ std::string message_of(const Result& result) {
 FleetResult run_fleet(const Problem& problem, const Planner& planner, const CompareOptions& options,
                       const Budget& budget) {
   const FleetProblem fleet(problem);
-  FleetOptions chosen{.objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
+  FleetOptions chosen{
+      .objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
   if (options.changes.objective)
     chosen.objective = *fleet_objective_called(*options.changes.objective);
   FleetResult result = solve_fleet(fleet, planner.name, chosen, budget);
@@ -135,7 +136,8 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
 bool comparable(const Row& proof, const Row& other) {
   if (proof.fleet.has_value() != other.fleet.has_value()) return false;
   if (!proof.fleet || !proof.fleet->steps_allowed) return true;
-  return other.fleet->plan.makespan() <= *proof.fleet->steps_allowed;  // the least travel in so many steps
+  return other.fleet->plan.makespan() <=
+         *proof.fleet->steps_allowed;  // the least travel in so many steps
 }
 
 /// Rows of one problem that contradict each other, in a sentence; empty if none do. A proved
@@ -202,7 +204,8 @@ std::string csv_cell(const std::string& text) {
 }
 
 std::string as_csv(const std::vector<Row>& rows) {
-  const bool any_fleet = std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
+  const bool any_fleet =
+      std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
   std::string text =
       "problem,method,status,reward,bound,seconds,states,actions,expanded,generated,pruned,message";
   text += any_fleet ? ",makespan,travel\n" : "\n";
@@ -216,9 +219,9 @@ std::string as_csv(const std::vector<Row>& rows) {
                         statistics.states, statistics.actions, statistics.expanded,
                         statistics.generated, statistics.pruned, csv_cell(row.message));
     if (any_fleet) {
-      text += row.fleet && row.has_plan() ? fmt::format(",{},{}", row.fleet->plan.makespan(),
-                                                        row.fleet->plan.travel())
-                                          : ",,";
+      text += row.fleet && row.has_plan()
+                  ? fmt::format(",{},{}", row.fleet->plan.makespan(), row.fleet->plan.travel())
+                  : ",,";
     }
     text += '\n';
   }
@@ -234,7 +237,8 @@ TextTable as_table(const std::vector<Row>& rows) {
   const bool any_message =
       std::ranges::any_of(rows, [](const Row& row) { return !row.note().empty(); });
 
-  const bool any_fleet = std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
+  const bool any_fleet =
+      std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
 
   TextTable table;
   table.add_column("problem", TextTable::Align::Left);

@@ -53,12 +53,9 @@ nlohmann::ordered_json as_json(const FleetEvaluation& evaluation, double reward)
                           {"constraint", rule_name(found.rule)},
                           {"message", found.message}});
   }
-  return {{"valid", evaluation.valid},
-          {"reward", reward},
-          {"steps", evaluation.makespan},
-          {"makespan", evaluation.makespan},
-          {"travel", evaluation.travel},
-          {"violations", std::move(violations)}};
+  return {{"valid", evaluation.valid},    {"reward", reward},
+          {"steps", evaluation.makespan}, {"makespan", evaluation.makespan},
+          {"travel", evaluation.travel},  {"violations", std::move(violations)}};
 }
 
 std::string summary(const FleetProblem& fleet, const FleetPlan& plan,
@@ -84,8 +81,8 @@ int evaluate_fleet_plan(const Problem& problem, const std::string& text,
   try {
     file = parse_fleet_plan(text, fleet);
   } catch (const InputError& error) {
-    throw InputError(fmt::format(
-        "{}: {}", options.plan == "-" ? "standard input" : options.plan, error.what()));
+    throw InputError(
+        fmt::format("{}: {}", options.plan == "-" ? "standard input" : options.plan, error.what()));
   }
   warn_of_another_problem(context, file.problem_digest, problem);
   if (options.changes.objective) {

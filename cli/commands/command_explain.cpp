@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/output/conflict.h"
 #include "cli/exit_codes.h"
+#include "cli/output/conflict.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
-#include "orasp/io/problem_json.h"
 #include "orasp/explain/explain.h"
+#include "orasp/io/problem_json.h"
 
 namespace orasp::cli {
 namespace {

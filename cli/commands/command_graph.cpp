@@ -14,10 +14,10 @@
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
-#include "orasp/io/atomic_file.h"
 #include "orasp/drawing/graphviz.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/io/atomic_file.h"
 #include "orasp/planners/value_iteration.h"
 
 namespace orasp::cli {

@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/options/problem_source.h"
 #include "cli/exit_codes.h"
+#include "cli/options/problem_source.h"
 #include "cli/output/json_output.h"
-#include "cli/paper/paper_page.h"
 #include "cli/output/text.h"
-#include "orasp/io/atomic_file.h"
+#include "cli/paper/paper_page.h"
 #include "orasp/drawing/graphviz.h"
+#include "orasp/io/atomic_file.h"
 
 namespace orasp::cli {
 namespace {

@@ -13,8 +13,9 @@ struct PaperOptions {
   bool json = false;
 };
 
-/// `orasp paper -o DIR`: the paper's numbers, computed again beside the printed ones: DIR/paper.html, paper.md, paper.json
-/// and figures/*.svg. Nothing is written before everything is computed and drawn, and the page comes last.
+/// `orasp paper -o DIR`: the paper's numbers, computed again beside the printed ones:
+/// DIR/paper.html, paper.md, paper.json and figures/*.svg. Nothing is written before everything is
+/// computed and drawn, and the page comes last.
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const PaperOptions& options, const Context& context);
 

@@ -9,17 +9,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/output/conflict.h"
 #include "cli/exit_codes.h"
+#include "cli/output/conflict.h"
 #include "cli/output/json_output.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
+#include "orasp/execution/replanner.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/automatic.h"
-#include "orasp/execution/replanner.h"
 #include "orasp/planners/uncertain.h"
 
 namespace orasp::cli {
@@ -94,8 +94,8 @@ struct Changes {
   std::optional<double> price;  ///< that less what the new plan earns
 };
 
-/// As many steps kept as can be: a longest increasing subsequence of old places. Reference: Schensted (1961), Canadian
-/// J. Math. 13, 179-191. O(n log n).
+/// As many steps kept as can be: a longest increasing subsequence of old places. Reference:
+/// Schensted (1961), Canadian J. Math. 13, 179-191. O(n log n).
 void split_common(std::span<const ConnectionIndex> sequence, std::span<const std::size_t> old_place,
                   Changes& changes) {
   std::vector<std::size_t> ends;  // by length - 1: step of the new plan that ends the best run
@@ -215,11 +215,12 @@ constexpr double kMostActionsHeld = 1e6;
 
 struct Answer {
   Result result;
-  std::string
-      times;  ///< of generating H and of replacing its rewards, as JSON; empty where neither was done
+  std::string times;  ///< of generating H and of replacing its rewards, as JSON; empty where
+                      ///< neither was done
 };
 
-/// Under another objective: H is generated once for the problem as it is written, and its rewards are replaced.
+/// Under another objective: H is generated once for the problem as it is written, and its rewards
+/// are replaced.
 Answer reweighed(const Problem& written, const Problem& problem, const Situation& now,
                  const ReplanOptions& options, const Budget& budget) {
   Replanner replanner(written, {.most_actions = kMostActionsHeld}, budget);

@@ -24,7 +24,8 @@ struct ReplanOptions {
   LimitOptions limits;
 };
 
-/// `orasp replan PROBLEM`: the best plan from where the work stands. @returns the exit code. @throws InputError.
+/// `orasp replan PROBLEM`: the best plan from where the work stands. @returns the exit code.
+/// @throws InputError.
 [[nodiscard]] int run(const ReplanOptions& options, const Context& context);
 
 }  // namespace orasp::cli

@@ -8,20 +8,20 @@
 #include <fmt/format.h>
 
 #include "cli/exit_codes.h"
-#include "cli/output/reward_statistics.h"
 #include "cli/output/fleet_summary.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
 #include "cli/output/random_rewards.h"
+#include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
-#include "orasp/io/atomic_file.h"
 #include "orasp/drawing/figures.h"
-#include "orasp/io/fleet_plan_json.h"
-#include "orasp/report/fleet_report.h"
-#include "orasp/io/problem_json.h"
-#include "orasp/report/report.h"
-#include "orasp/model/validate.h"
 #include "orasp/explain/explain.h"
+#include "orasp/io/atomic_file.h"
+#include "orasp/io/fleet_plan_json.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/model/validate.h"
+#include "orasp/report/fleet_report.h"
+#include "orasp/report/report.h"
 
 namespace orasp::cli {
 namespace {
@@ -196,7 +196,8 @@ int report_fleet(const Problem& problem, const std::vector<PlanText>& files,
         "--log, --sample and --sample-count belong to plans of one robot, not to those of a fleet");
   if (!options.svg.empty())
     throw InputError(
-        "--svg: figures are drawn of plans for one robot, and this is a fleet's; -o writes its page");
+        "--svg: figures are drawn of plans for one robot, and this is a fleet's; -o writes its "
+        "page");
   const FleetProblem fleet(problem);
   FleetReport report;
   report.title = options.title.empty() ? title(problem, options.problem) : options.title;

@@ -23,9 +23,9 @@ struct ReportOptions {
   LimitOptions limits;
 };
 
-/// `orasp report PROBLEM [PLAN...] -o FILE --svg DIR`: one self-contained page about a problem and its plans, its figures
-/// as files, or both; the figures show the first plan that breaks no rule. @returns the exit
-/// code. @throws InputError.
+/// `orasp report PROBLEM [PLAN...] -o FILE --svg DIR`: one self-contained page about a problem and
+/// its plans, its figures as files, or both; the figures show the first plan that breaks no rule.
+/// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const ReportOptions& options, const Context& context);
 
 }  // namespace orasp::cli

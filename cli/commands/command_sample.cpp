@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
-#include "cli/output/reward_statistics.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/random_rewards.h"
+#include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
 
 namespace orasp::cli {

@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
-#include "cli/output/reward_statistics.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
+#include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"

@@ -13,14 +13,14 @@
 #include "cli/output/progress.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
+#include "orasp/explain/alternatives.h"
+#include "orasp/graph/state_graph.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
-#include "orasp/explain/alternatives.h"
-#include "orasp/graph/state_graph.h"
 
 namespace orasp::cli {
 namespace {

@@ -16,12 +16,12 @@ struct SolveOptions {
   bool json = false;
   ProblemChanges changes;
   LimitOptions limits;
-  bool count = false;                ///< of the optimal sequences
-  std::uint64_t alternatives = 0;    ///< how many of the best plans to list
-  std::optional<std::string> bound;  ///< of orasp-search, a-star, beam and q-learning
+  bool count = false;                  ///< of the optimal sequences
+  std::uint64_t alternatives = 0;      ///< how many of the best plans to list
+  std::optional<std::string> bound;    ///< of orasp-search, a-star, beam and q-learning
   std::optional<std::uint64_t> steps;  ///< of methods for fleets
-  std::string policy;                ///< file, of dqn; empty: train first
-  std::string write_model;           ///< file, of mip; empty: solve it
+  std::string policy;                  ///< file, of dqn; empty: train first
+  std::string write_model;             ///< file, of mip; empty: solve it
   // of value-iteration alone
   std::optional<std::string> sweep_order;
   std::optional<double> epsilon;

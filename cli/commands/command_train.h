@@ -19,7 +19,8 @@ struct TrainOptions {
   LimitOptions limits;
 };
 
-/// `orasp train PROBLEM`: learns a policy and writes it. @returns the exit code. @throws InputError.
+/// `orasp train PROBLEM`: learns a policy and writes it. @returns the exit code. @throws
+/// InputError.
 [[nodiscard]] int run(const TrainOptions& options, const Context& context);
 
 }  // namespace orasp::cli

@@ -16,8 +16,8 @@
 
 #include "cli/exit_codes.h"
 #include "cli/output/fleet_summary.h"
-#include "cli/signals.h"
 #include "cli/output/text.h"
+#include "cli/signals.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 
@@ -162,7 +162,8 @@ PlanFile parse_plan_text(const std::string& text, const std::string& file, Direc
   }
 }
 
-void warn_of_another_problem(const Context& context, const std::string& digest, const Problem& problem) {
+void warn_of_another_problem(const Context& context, const std::string& digest,
+                             const Problem& problem) {
   if (!digest.empty() && digest != problem_digest(problem))
     context.warn("the plan was made for another problem: its problem_digest differs");
 }

@@ -37,8 +37,8 @@ struct LimitOptions {
 [[nodiscard]] std::string read_text(const std::string& file);
 
 /// Loads PROBLEM: "-" is standard input; a name with a '/' or that ends in ".json" is a file;
-/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error; that a fleet is not used
-/// is one of them.
+/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error; that
+/// a fleet is not used is one of them.
 /// @throws InputError.
 [[nodiscard]] Problem load_problem(const std::string& name, const ProblemChanges& changes,
                                    const Context& context);
@@ -57,8 +57,10 @@ struct LimitOptions {
 [[nodiscard]] PlanFile parse_plan_text(const std::string& text, const std::string& file,
                                        Direction direction);
 
-/// Warns where a plan names the digest of another problem than this one; an empty digest names none.
-void warn_of_another_problem(const Context& context, const std::string& digest, const Problem& problem);
+/// Warns where a plan names the digest of another problem than this one; an empty digest names
+/// none.
+void warn_of_another_problem(const Context& context, const std::string& digest,
+                             const Problem& problem);
 
 /// Reads a policy that was trained on this very problem. @throws InputError.
 [[nodiscard]] PolicyFile read_policy(const std::string& file, const Problem& problem);

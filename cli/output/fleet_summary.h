@@ -5,16 +5,17 @@
 
 #include "cli/options/problem_source.h"
 #include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_validate.h"
 #include "orasp/fleet/fleet_result.h"
+#include "orasp/fleet/fleet_validate.h"
 
 namespace orasp::cli {
 
 /// The objective of fleets of that name; empty: it is none.
 [[nodiscard]] std::optional<FleetObjective> fleet_objective_called(const std::string& name);
 
-/// Whether `planner` plans for the robots of `problem` here: it knows nothing else, or it is asked for no objective of
-/// one robot and the problem has a fleet. `objective` is what the user asked for. @throws InputError where planner and objective do not fit.
+/// Whether `planner` plans for the robots of `problem` here: it knows nothing else, or it is asked
+/// for no objective of one robot and the problem has a fleet. `objective` is what the user asked
+/// for. @throws InputError where planner and objective do not fit.
 [[nodiscard]] bool plans_for_fleet(const Planner& planner, const Problem& problem,
                                    const std::optional<std::string>& objective);
 
@@ -27,8 +28,8 @@ void require_valid(const FleetProblem& fleet, const FleetResult& result);
 /// The exit code of a result.
 [[nodiscard]] int exit_code(const FleetResult& result);
 
-/// A result for people: method, status, makespan, travel, bound, gap, effort, and where there is a plan its moves.
-/// `typed` is what the user called the problem.
+/// A result for people: method, status, makespan, travel, bound, gap, effort, and where there is a
+/// plan its moves. `typed` is what the user called the problem.
 [[nodiscard]] std::string fleet_summary(const FleetProblem& fleet, const std::string& typed,
                                         const FleetResult& result, const Context& context);
 

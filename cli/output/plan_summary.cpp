@@ -35,7 +35,8 @@ std::string opposite_order(const Problem& problem, const Result& result, std::si
                      wrapped_list(ids, 2, width));
 }
 
-/// How the job most likely goes, where attempts may fail. The table of steps that follows is the sequence of successes.
+/// How the job most likely goes, where attempts may fail. The table of steps that follows is the
+/// sequence of successes.
 std::string course_text(const Problem& problem, const Expectation& expectation, std::size_t width) {
   const std::string probability = number_text(expectation.probability);
   if (std::ranges::all_of(expectation.most_likely, &AttemptOutcome::succeeds))
@@ -43,8 +44,9 @@ std::string course_text(const Problem& problem, const Expectation& expectation, 
   std::vector<std::string> items;
   for (const auto& [connection, succeeds] : expectation.most_likely)
     items.push_back(problem.connection_id(connection) + (succeeds ? "" : " fails"));
-  return fmt::format("\nmost likely course (probability {})\n{}\nsequence where no failure changes the state\n",
-                     probability, wrapped_list(items, 2, width));
+  return fmt::format(
+      "\nmost likely course (probability {})\n{}\nsequence where no failure changes the state\n",
+      probability, wrapped_list(items, 2, width));
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ struct RandomRewards {
   Result last;  ///< of the draw that ended the sample early, if one did
 };
 
-/// Sequence i is drawn with the i-th number of SplitMix64(seed) as its seed, so that a longer sample begins with the
-/// shorter one.
+/// Sequence i is drawn with the i-th number of SplitMix64(seed) as its seed, so that a longer
+/// sample begins with the shorter one.
 [[nodiscard]] RandomRewards draw_rewards(const TransitionSystem& system, std::uint64_t count,
                                          std::uint64_t seed, bool with_sequences,
                                          const Budget& budget);

@@ -27,7 +27,8 @@ namespace orasp::cli {
 [[nodiscard]] std::string counted(std::uint64_t number, std::string_view noun);
 [[nodiscard]] std::string counted(std::string_view digits, std::string_view noun);
 
-/// The pieces between the commas of a list such as "a-star,beam"; one empty piece for an empty text.
+/// The pieces between the commas of a list such as "a-star,beam"; one empty piece for an empty
+/// text.
 [[nodiscard]] std::vector<std::string> comma_separated(const std::string& list);
 
 /// Text from outside made safe for a terminal: each control character becomes '?'.

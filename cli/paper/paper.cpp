@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
-#include "cli/paper/paper_printed.h"
 #include "cli/output/random_rewards.h"
+#include "cli/paper/paper_printed.h"
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/learning/network.h"
@@ -46,7 +46,8 @@ std::string_view objective_of(std::string_view problem) {
   return problem == "table-hemnes" ? "completion" : "cubesat";
 }
 
-/// `time` with what its method takes; `steps` is a horizon for fleets, or empty. Empty where a run was stopped by a signal.
+/// `time` with what its method takes; `steps` is a horizon for fleets, or empty. Empty where a run
+/// was stopped by a signal.
 std::optional<PaperTime> measured(PaperTime time, const std::string& steps,
                                   const std::string& program, std::size_t repeats) {
   std::vector<std::string> words = {"solve",       time.problem,   "--method", time.method,
@@ -182,13 +183,12 @@ struct Work {
 void add_times(Paper& paper, const Work& work) {
   for (const printed::Time& time : printed::kTimes) {
     if (work.stopped()) return;
-    std::optional<PaperTime> row =
-        measured({.problem = std::string(time.problem),
-                  .method = std::string(time.method),
-                  .objective = std::string(objective_of(time.problem)),
-                  .printed = time.seconds,
-                  .status = {}},
-                 "", work.program, work.effort.repeats());
+    std::optional<PaperTime> row = measured({.problem = std::string(time.problem),
+                                             .method = std::string(time.method),
+                                             .objective = std::string(objective_of(time.problem)),
+                                             .printed = time.seconds,
+                                             .status = {}},
+                                            "", work.program, work.effort.repeats());
     paper.interrupted = !row;
     if (!row) return;
     paper.times.push_back(*std::move(row));

@@ -37,17 +37,17 @@ struct PaperTime {
   double printed = 0;  ///< s
   double process = 0;  ///< s: the program from its start to its end; the median
   double least_process = 0;
-  double solve = 0;    ///< s: the method alone; the median
+  double solve = 0;  ///< s: the method alone; the median
   double reward = 0;
   std::string status;
 };
 
 /// A search for several robots beside the integer program of the paper's table.
 struct PaperIlpTime {
-  std::string problem;             ///< as the paper calls it
-  std::string objective;           ///< as the paper calls it
-  std::string steps;               ///< horizon; empty: none
-  double printed = 0;              ///< s
+  std::string problem;            ///< as the paper calls it
+  std::string objective;          ///< as the paper calls it
+  std::string steps;              ///< horizon; empty: none
+  double printed = 0;             ///< s
   std::optional<PaperTime> ours;  ///< empty where there is no file of the paper's problem
 };
 
@@ -103,7 +103,8 @@ struct PaperDistribution {
 
 struct Paper {
   PaperEffort effort;
-  bool interrupted = false;  ///< a program that was run for it was stopped: Ctrl-C on a terminal reaches all
+  bool interrupted =
+      false;  ///< a program that was run for it was stopped: Ctrl-C on a terminal reaches all
   std::string processor;
   unsigned threads = 1;
   double load = 0;  ///< processes that wanted to run, the mean of the last minute, when it began
@@ -121,15 +122,16 @@ struct Paper {
 
 /// The problem of the figure on two objectives, and of the one on a constraint.
 inline constexpr std::string_view kPaperRing = "4piece";
-/// As it is in the figure on a constraint, under `time`, with whole numbers as rewards; and with the paper's constraint:
-/// connection 2-3 before 1-2.
+/// As it is in the figure on a constraint, under `time`, with whole numbers as rewards; and with
+/// the paper's constraint: connection 2-3 before 1-2.
 [[nodiscard]] Problem ring_of_paper();
 [[nodiscard]] Problem constrained_ring();
 /// The same problem without its precedence.
 [[nodiscard]] Problem without_precedence(const Problem& problem);
 
-/// Computes everything, telling `say` what comes next. Stops early when `budget` is told to stop; then the answer is
-/// empty. `program` is the path of this program, which is run for the times of whole processes.
+/// Computes everything, telling `say` what comes next. Stops early when `budget` is told to stop;
+/// then the answer is empty. `program` is the path of this program, which is run for the times of
+/// whole processes.
 /// @throws InputError.
 [[nodiscard]] std::optional<Paper> computed_paper(const PaperEffort& effort,
                                                   const std::string& program, const Budget& budget,

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/paper/paper_printed.h"
 #include "cli/output/text.h"
+#include "cli/paper/paper_printed.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/planners/value_iteration.h"
 
@@ -102,26 +102,28 @@ void add_times(Document& page, const Paper& paper) {
     if (time.ours) {
       const std::string amount = fmt::format("{:g}", 0.0 - time.ours->reward);
       const std::string horizon = time.steps.empty() ? "" : fmt::format(" in {} steps", time.steps);
-      cells.insert(cells.end(),
-                   {time.ours->problem,
-                    time.ours->objective == "makespan" ? amount + " steps" : amount + " m\u00b2" + horizon,
-                    time.ours->status, seconds_cell(time.ours->process),
-                    seconds_cell(time.ours->least_process), seconds_cell(time.ours->solve),
-                    ratio_cell(time.printed / time.ours->process)});
+      cells.insert(
+          cells.end(),
+          {time.ours->problem,
+           time.ours->objective == "makespan" ? amount + " steps" : amount + " m\u00b2" + horizon,
+           time.ours->status, seconds_cell(time.ours->process),
+           seconds_cell(time.ours->least_process), seconds_cell(time.ours->solve),
+           ratio_cell(time.printed / time.ours->process)});
     } else {
       cells.insert(cells.end(), {"no file of it", "", "", "", "", "", ""});
     }
     ilp.push_back(std::move(cells));
   }
   page.paragraph(
-      "The paper's column \"State of the Art\": an integer program that plans for several robots in "
+      "The paper's column \"State of the Art\": an integer program that plans for several robots "
+      "in "
       "synchronous steps, solved by CPLEX on 8 virtual CPUs. Beside it our search on the same "
       "problem (`--method fleet-search`), with the robots, sites and horizon of the published "
       "program. What its least travel adds up is squared distances.");
-  page.table({"problem", "objective", "integer program, s", "here", "answer", "status",
-              "whole process, s", "its least, s", "solve alone, s",
-              "integer program / whole process (other hardware)"},
-             std::move(ilp));
+  page.table(
+      {"problem", "objective", "integer program, s", "here", "answer", "status", "whole process, s",
+       "its least, s", "solve alone, s", "integer program / whole process (other hardware)"},
+      std::move(ilp));
 }
 
 void add_structures(Document& page) {
@@ -361,7 +363,8 @@ nlohmann::ordered_json paper_json(const Paper& paper) {
   }
   Json& ilp = document["integer_program"] = Json::array();
   for (const PaperIlpTime& row : paper.ilp_times) {
-    Json entry = {{"problem", row.problem}, {"objective", row.objective}, {"paper_seconds", row.printed}};
+    Json entry = {
+        {"problem", row.problem}, {"objective", row.objective}, {"paper_seconds", row.printed}};
     if (row.ours) {
       entry.update({{"fleet", row.ours->problem},
                     {"fleet_objective", row.ours->objective},

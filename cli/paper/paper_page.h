@@ -7,8 +7,8 @@
 
 namespace orasp::cli {
 
-/// The page of the paper's numbers, ours beside the printed ones, with its figures. Draws them: @throws InputError if
-/// Graphviz or gnuplot is missing.
+/// The page of the paper's numbers, ours beside the printed ones, with its figures. Draws them:
+/// @throws InputError if Graphviz or gnuplot is missing.
 [[nodiscard]] Document paper_page(const Paper& paper);
 
 /// The same numbers for programs: format orasp-paper/1.

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <string_view>
 
-/// Every number of the paper, and of the code published with it, that `orasp paper` sets beside its own. Nothing else is
-/// written down: what stands beside them is computed. Paper: Nagpal and Mehr, "Optimal Robotic Assembly Sequence Planning
-/// (ORASP): A Sequential Decision-Making Approach"; code: github.com/labicon/ORASP-Code.
+/// Every number of the paper, and of the code published with it, that `orasp paper` sets beside its
+/// own. Nothing else is written down: what stands beside them is computed. Paper: Nagpal and Mehr,
+/// "Optimal Robotic Assembly Sequence Planning (ORASP): A Sequential Decision-Making Approach";
+/// code: github.com/labicon/ORASP-Code.
 namespace orasp::cli::printed {
 
 /// Table I: seconds, in Python on an AMD Ryzen 9 5900X.
@@ -39,12 +40,14 @@ inline constexpr std::array<Time, 20> kTimes = {{
     {"table-hemnes", "bellman-ford", 0.138998},
 }};
 
-/// Table I, column "State of the Art (ILP)": seconds, in Julia with CPLEX on 8 virtual CPUs, for several robots.
+/// Table I, column "State of the Art (ILP)": seconds, in Julia with CPLEX on 8 virtual CPUs, for
+/// several robots.
 struct IlpTime {
   std::string_view problem;
   std::string_view objective;  ///< as the paper calls it
   double seconds;
-  std::string_view fleet;            ///< our name for that problem of several robots; empty: there is no file of it
+  std::string_view
+      fleet;  ///< our name for that problem of several robots; empty: there is no file of it
   std::string_view fleet_objective;  ///< our name for the objective
   std::string_view steps;            ///< horizon of the published program, in moves; empty: none
 };
@@ -85,8 +88,9 @@ inline constexpr std::array<Size, 2> kSizes = {{
     {"hubble", 12096, 67824},
 }};
 
-/// What the published learning reports for its best plan, what the best of the plans stored with it earns when it is
-/// replayed, and the training: section "Reinforcement Learning Methods", and the notebook.
+/// What the published learning reports for its best plan, what the best of the plans stored with it
+/// earns when it is replayed, and the training: section "Reinforcement Learning Methods", and the
+/// notebook.
 struct Learned {
   std::string_view problem;
   double reported;

@@ -4,10 +4,10 @@
 #include <array>
 #include <string>
 
-#include "orasp/learning/network.h"
 #include "orasp/fleet/fleet_expander.h"
-#include "orasp/planners/automatic.h"
+#include "orasp/learning/network.h"
 #include "orasp/mip/mip_solver.h"
+#include "orasp/planners/automatic.h"
 #include "orasp/planners/uncertain.h"
 
 namespace orasp {
@@ -60,8 +60,8 @@ constexpr std::array kPlanners = {
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return a_star(system, {.bound = options.bound}, budget);
             }},
-    Planner{"beam", "complete anytime beam search: a plan at once, better ones as it goes", true, false, 0,
-            always,
+    Planner{"beam", "complete anytime beam search: a plan at once, better ones as it goes", true,
+            false, 0, always,
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return beam(system, {.bound = options.bound}, budget);
             }},
@@ -70,8 +70,9 @@ constexpr std::array kPlanners = {
             [](const TransitionSystem& system, const Options&, const Budget& budget) {
               return and_or(system, {}, budget);
             }},
-    Planner{"mip", "an integer program, solved by CBC: the baseline (at most 32 connections, or a fleet)", true, false,
-            kMipMaxConnections, mip_solver_available,
+    Planner{"mip",
+            "an integer program, solved by CBC: the baseline (at most 32 connections, or a fleet)",
+            true, false, kMipMaxConnections, mip_solver_available,
             [](const TransitionSystem& system, const Options&, const Budget& budget) {
               return mip(system, budget);
             },
@@ -90,7 +91,8 @@ constexpr std::array kPlanners = {
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return random_sequence(system, {.seed = options.seed}, budget);
             }},
-    Planner{"q-learning", "tabular Q-learning from optimistic values; for small problems", true, false, 0, always,
+    Planner{"q-learning", "tabular Q-learning from optimistic values; for small problems", true,
+            false, 0, always,
             [](const TransitionSystem& system, const Options& options, const Budget& budget) {
               return q_learning(system, {.seed = options.seed, .bound = options.bound}, budget);
             }},
@@ -102,10 +104,12 @@ constexpr std::array kPlanners = {
               chosen.seed = options.seed;
               return dqn(system, chosen, budget);
             }},
-    Planner{"fleet-search", "several robots: the fewest steps, or the least travel, by search with proof",
-            true, false, 0, always, nullptr, fleet_search},
-    Planner{"fast", "several robots: a published heuristic for trees, subassemblies side by side; no proof", false,
-            false, 0, always, nullptr, fleet_fast},
+    Planner{"fleet-search",
+            "several robots: the fewest steps, or the least travel, by search with proof", true,
+            false, 0, always, nullptr, fleet_search},
+    Planner{"fast",
+            "several robots: a published heuristic for trees, subassemblies side by side; no proof",
+            false, false, 0, always, nullptr, fleet_fast},
 };
 static_assert(std::ranges::is_partitioned(kPlanners, [](const Planner& planner) {
   return planner.run != nullptr;

@@ -5,27 +5,27 @@
 #include <span>
 #include <string_view>
 
+#include "orasp/fleet/fleet_heuristics.h"
+#include "orasp/fleet/fleet_mip.h"
+#include "orasp/fleet/fleet_result.h"
+#include "orasp/fleet/fleet_search.h"
 #include "orasp/learning/dqn.h"
+#include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
+#include "orasp/mip/mip.h"
 #include "orasp/model/problem.h"
 #include "orasp/planners/a_star.h"
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/bellman_ford.h"
-#include "orasp/task/budget.h"
 #include "orasp/planners/dijkstra.h"
 #include "orasp/planners/exhaustive.h"
-#include "orasp/fleet/fleet_heuristics.h"
-#include "orasp/fleet/fleet_mip.h"
-#include "orasp/fleet/fleet_result.h"
-#include "orasp/fleet/fleet_search.h"
 #include "orasp/planners/greedy.h"
-#include "orasp/mip/mip.h"
 #include "orasp/planners/orasp_search.h"
-#include "orasp/learning/policy.h"
 #include "orasp/planners/random_sequence.h"
-#include "orasp/task/result.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 
@@ -34,8 +34,8 @@ struct Options {
   std::uint64_t seed = 1;  ///< of every planner that draws random numbers
   ValueIterationOptions value_iteration;
   BellmanFordOptions bellman_ford;
-  BoundKind bound = BoundKind::Best;  ///< of orasp-search, a-star, beam and q-learning
-  DqnOptions dqn;                     ///< but for its seed
+  BoundKind bound = BoundKind::Best;     ///< of orasp-search, a-star, beam and q-learning
+  DqnOptions dqn;                        ///< but for its seed
   std::shared_ptr<const Policy> policy;  ///< of dqn: plan with it; empty: train first
 };
 

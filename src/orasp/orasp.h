@@ -4,9 +4,9 @@
 ///
 ///     #include "orasp/orasp.h"
 ///
-///     // A problem: parts, connections, constraints, an objective. Built in, from a file, or by hand.
-///     orasp::Problem problem = orasp::load_scenario("hubble");
-///     problem = orasp::read_problem("shelf.json");
+///     // A problem: parts, connections, constraints, an objective. Built in, from a file, or by
+///     hand. orasp::Problem problem = orasp::load_scenario("hubble"); problem =
+///     orasp::read_problem("shelf.json");
 ///
 ///     // A plan. Status says what was proved; "no plan" is a status, not an exception.
 ///     const orasp::Result result = orasp::solve(problem, "value-iteration");
@@ -31,9 +31,10 @@
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
 ///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
 ///
-///     // Learning: a policy that answers in microseconds from any state. Needs libtorch to train, not to plan.
-///     const orasp::Training training = orasp::train(system, {}, orasp::Budget::with_time_limit(60));
-///     orasp::follow_policy(system, training.trained.policy, {});
+///     // Learning: a policy that answers in microseconds from any state. Needs libtorch to train,
+///     not to plan. const orasp::Training training = orasp::train(system, {},
+///     orasp::Budget::with_time_limit(60)); orasp::follow_policy(system, training.trained.policy,
+///     {});
 ///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
@@ -42,12 +43,25 @@
 ///     // Figures for a paper, as SVG files: structure, steps, H, growth.
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
 ///
-/// Folders: model (problem, rules), planners (one algorithm a pair of files), learning, io (JSON, Graphviz), catalogue (all
-/// planners by name). Errors: InputError, and nothing else is thrown on purpose. Units: kg, m, s.
+/// Folders: model (problem, rules), planners (one algorithm a pair of files), learning, io (JSON,
+/// Graphviz), catalogue (all planners by name). Errors: InputError, and nothing else is thrown on
+/// purpose. Units: kg, m, s.
 
+#include "orasp/bounds/bounds.h"
 #include "orasp/catalogue.h"
 #include "orasp/drawing/document.h"
 #include "orasp/drawing/figures.h"
+#include "orasp/execution/replanner.h"
+#include "orasp/explain/alternatives.h"
+#include "orasp/explain/explain.h"
+#include "orasp/explain/plan_order.h"
+#include "orasp/fleet/fleet.h"
+#include "orasp/fleet/fleet_expander.h"
+#include "orasp/fleet/fleet_search.h"
+#include "orasp/fleet/fleet_validate.h"
+#include "orasp/graph/graph_size.h"
+#include "orasp/graph/state_graph.h"
+#include "orasp/graph/state_index.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
@@ -55,27 +69,15 @@
 #include "orasp/io/state_policy_json.h"
 #include "orasp/learning/dqn.h"
 #include "orasp/learning/environment.h"
+#include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
-#include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_expander.h"
-#include "orasp/fleet/fleet_validate.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/a_star.h"
-#include "orasp/explain/alternatives.h"
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/beam.h"
-#include "orasp/bounds/bounds.h"
 #include "orasp/planners/dense_value_iteration.h"
-#include "orasp/explain/explain.h"
-#include "orasp/fleet/fleet_search.h"
-#include "orasp/graph/graph_size.h"
-#include "orasp/explain/plan_order.h"
-#include "orasp/learning/policy.h"
-#include "orasp/execution/replanner.h"
-#include "orasp/graph/state_graph.h"
-#include "orasp/graph/state_index.h"
 #include "orasp/planners/uncertain.h"

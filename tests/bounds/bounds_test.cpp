@@ -38,7 +38,8 @@ TEST(PieceBound, IsNeverBelowATrueValueOfARandomProblem) {
   EXPECT_GE(states, 1000U);
 }
 
-// The change of the bound that add_change tells is the difference of two bounds, but for the last step.
+// The change of the bound that add_change tells is the difference of two bounds, but for the last
+// step.
 TEST(PieceBound, TellsTheChangeOfEveryAction) {
   for (const char* name : {"2x3", "lattice", "4piece"}) {
     const Problem problem = load_scenario(name);
@@ -64,7 +65,8 @@ TEST(PieceBound, TellsTheChangeOfEveryAction) {
   }
 }
 
-// g(2) = -2 * 0.0967, g(3) = -0.0967 - 0.1248 + g(2), g(4) = max(-0.0967 - 0.1368 + g(3), -2 * 0.1248 + 2 g(2)).
+// g(2) = -2 * 0.0967, g(3) = -0.0967 - 0.1248 + g(2), g(4) = max(-0.0967 - 0.1368 + g(3), -2 *
+// 0.1248 + 2 g(2)).
 TEST(PieceBound, IsTheRecursionOverSizes) {
   const Problem problem = load_scenario("4brick");
   const TransitionSystem system(problem);
@@ -87,7 +89,8 @@ TEST(PieceBound, SaysNothingWhereTheObjectiveSeesMoreThanThePiece) {
   }
 }
 
-// Reference.md: peeling single parts meets the bound on ISS (-2.1506) and on JWST (-16.7118), with and without limits.
+// Reference.md: peeling single parts meets the bound on ISS (-2.1506) and on JWST (-16.7118), with
+// and without limits.
 TEST(Automatic, ProvesTheSpaceStationAndTheTelescopeByTheBoundOverSizes) {
   const std::pair<const char*, double> known[] = {
       {"iss", -2.1506}, {"iss-upc", -2.1506}, {"jwst", -16.7118}, {"jwst-upc", -16.7118}};

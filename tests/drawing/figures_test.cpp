@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/drawing/graphviz.h"
 #include "orasp/drawing/drawing_process.h"
+#include "orasp/drawing/graphviz.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/fault.h"
@@ -19,7 +19,8 @@ namespace orasp {
 namespace {
 
 constexpr const char* kGreen = "#1a7f37";
-/// Everything that could end a string of a language on the way to a picture, or begin a command of one.
+/// Everything that could end a string of a language on the way to a picture, or begin a command of
+/// one.
 constexpr const char* kHostile = "<script>'\"\\`touch x`\n@x {a}_b &é";
 /// The same as the text of an SVG, between the parts that programs escape in their own ways.
 constexpr const char* kHarmless = "&lt;script";
@@ -31,7 +32,8 @@ std::size_t occurrences(const std::string& text, const std::string& word) {
   return found;
 }
 
-/// What is wrong with the XML of a picture by the judgement of Python's parser; empty if nothing is.
+/// What is wrong with the XML of a picture by the judgement of Python's parser; empty if nothing
+/// is.
 std::string xml_fault(const std::string& svg) {
   const std::vector<std::string> arguments = {
       "-c",
@@ -85,7 +87,8 @@ TEST(Figures, AFewConnectionsHaveColoursManyAreGrey) {
 }
 
 TEST(Figures, AStructureIsLaidOutWithoutCrossingsWhereThereIsAWay) {
-  // 1-2-3-4-1 drawn as a square: no two of the parts that are not neighbours lie nearer than neighbours do.
+  // 1-2-3-4-1 drawn as a square: no two of the parts that are not neighbours lie nearer than
+  // neighbours do.
   const Problem ring = load_scenario("4piece");
   std::vector<Place> places =
       places_of(assembly_dot(ring, {.colours = {}, .places = {}, .start = "regular"}), 4);

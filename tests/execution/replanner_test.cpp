@@ -1,5 +1,6 @@
-// Problems met again in the middle (Situation, Replanner): every planner and the Replanner against brute force written
-// from the sentences of model/situation.h, on random problems, states and changes.
+// Problems met again in the middle (Situation, Replanner): every planner and the Replanner against
+// brute force written from the sentences of model/situation.h, on random problems, states and
+// changes.
 
 #include "orasp/execution/replanner.h"
 
@@ -11,15 +12,15 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/bounds/bounds.h"
 #include "orasp/catalogue.h"
+#include "orasp/explain/explain.h"
+#include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/mip/mip.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/automatic.h"
-#include "orasp/bounds/bounds.h"
-#include "orasp/explain/explain.h"
-#include "orasp/mip/mip.h"
-#include "orasp/graph/state_graph.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"
 #include "tests/oracle.h"
@@ -180,7 +181,9 @@ TEST_P(InTheMiddle, EveryExactPlannerAgreesWithBruteForce) {
       for (const Planner& planner : one_robot_planners()) {
         SCOPED_TRACE(planner.name);
         if (!planner.available() || !planner.exact || planner.name == "q-learning") continue;
-        if (planner.name == "mip" && (round > 0 || problem.num_connections() > 4 || mip_obstacle(system))) continue;
+        if (planner.name == "mip" &&
+            (round > 0 || problem.num_connections() > 4 || mip_obstacle(system)))
+          continue;
         if (!bounded && (planner.name == "orasp-search" || planner.name == "a-star")) continue;
         if (planner.name == "orasp-search" && truth.best() == kNever) continue;
         expect_right(truth, planner.run(system, quick_options(), Budget{}));
@@ -294,7 +297,8 @@ TEST(Replanner, ConflictsAreFoundWhereAndOnlyWhereThereIsNoPlan) {
     const bool feasible = Truth(spec, now).best() != kNever;
     ASSERT_EQ(why.status, feasible ? Status::Feasible : Status::Infeasible);
     EXPECT_EQ(why.conflict.empty(), feasible);
-    // Any one of the inaccessible connections that a smallest conflict names, made accessible, changes what it says.
+    // Any one of the inaccessible connections that a smallest conflict names, made accessible,
+    // changes what it says.
     for (const ConflictItem& item : why.conflict) {
       if (item.constraint != Constraint::Inaccessible) continue;
       ++named;
@@ -310,8 +314,9 @@ TEST(Replanner, ConflictsAreFoundWhereAndOnlyWhereThereIsNoPlan) {
   EXPECT_GT(named, 0);
 }
 
-// 1-2-3 in a row, at most one subassembly of two parts may ... by hand: with 1-2 inaccessible, removing 2-3 completes
-// and earns 1; on its own, removing 1-2 then 2-3 earns -(0.0967 + 0.1248) + 1.
+// 1-2-3 in a row, at most one subassembly of two parts may ... by hand: with 1-2 inaccessible,
+// removing 2-3 completes and earns 1; on its own, removing 1-2 then 2-3 earns -(0.0967 + 0.1248)
+// + 1.
 TEST(Replanner, ByHand) {
   ProblemSpec spec;
   spec.parts.resize(3);

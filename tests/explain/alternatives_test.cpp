@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/io/scenarios.h"
 #include "orasp/graph/graph_size.h"
+#include "orasp/io/scenarios.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
@@ -117,8 +117,8 @@ TEST(Alternatives, AreCountedBeyondEveryMachineWord) {
     const std::vector<double> values = value_iteration(graph, {}, Budget{}).values;
     EXPECT_EQ(count_optimal(graph, values), graph_size(graph).sequences);
   }
-  // Connections of a part to itself in groups, one group after the other: (size!)^groups, past 64 bits, and with 40
-  // connections past what is counted in 128.
+  // Connections of a part to itself in groups, one group after the other: (size!)^groups, past 64
+  // bits, and with 40 connections past what is counted in 128.
   struct Case {
     int groups;
     int size;
@@ -144,7 +144,8 @@ TEST(Alternatives, AreCountedBeyondEveryMachineWord) {
   }
 }
 
-//   1 - 2 - 3 - 4: the middle first, then either end, 0.5570; the four that begin at an end, 0.5450.
+//   1 - 2 - 3 - 4: the middle first, then either end, 0.5570; the four that begin at an end,
+//   0.5450.
 TEST(Alternatives, OfARowOfFour) {
   const Problem problem(instances::greedy_trap());
   const Alternatives found = find_alternatives(TransitionSystem(problem), true, 10, Budget{});
@@ -156,7 +157,8 @@ TEST(Alternatives, OfARowOfFour) {
   for (std::size_t i = 2; i < 6; ++i) EXPECT_NEAR((*found.plans)[i].reward, 0.5450, 1e-12);
 }
 
-// Rewards of a billion, whose sums differ in their last digits only: rounding is no difference. A thousandth is one.
+// Rewards of a billion, whose sums differ in their last digits only: rounding is no difference. A
+// thousandth is one.
 TEST(Alternatives, TellRoundingFromLosses) {
   ProblemSpec spec = instances::assembly(6, {{1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 6}});
   for (std::size_t i = 0; i < 5; ++i)

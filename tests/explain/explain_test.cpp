@@ -1,5 +1,5 @@
-// Explanations against the oracle: conflicts by taking constraints away, connections by definition and by looking at
-// every state.
+// Explanations against the oracle: conflicts by taking constraints away, connections by definition
+// and by looking at every state.
 
 #include "orasp/explain/explain.h"
 
@@ -81,8 +81,8 @@ std::vector<std::string> all_places(const ProblemSpec& spec) {
   return names;
 }
 
-// A conflict once found is broken by taking its first constraint away, and the next one looked for: most random problems
-// have one that a single constraint makes, and these would hide all others.
+// A conflict once found is broken by taking its first constraint away, and the next one looked for:
+// most random problems have one that a single constraint makes, and these would hide all others.
 TEST(ExplainProblem, ConflictsAreIrreducible) {
   std::map<std::size_t, std::size_t> sizes;
   std::set<Constraint> kinds;
@@ -186,7 +186,8 @@ TEST(ExplainProblem, TooManyStartingSubassembliesAreTheLimitAlone) {
             "the whole product is 2 subassemblies; at most 1 are allowed");
 }
 
-//   1 - 2 - 3 - 4        1 and 4 are closed in by their neighbours, so the middle goes first; that moves two parts.
+//   1 - 2 - 3 - 4        1 and 4 are closed in by their neighbours, so the middle goes first; that
+//   moves two parts.
 TEST(ExplainProblem, BlockingAgainstALimit) {
   ProblemSpec spec = instances::assembly(4, {{1, 2}, {2, 3}, {3, 4}});
   spec.blocking =

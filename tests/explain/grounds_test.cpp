@@ -1,4 +1,5 @@
-// What allows a step: with the violations that the model finds, exactly the constraints that bear on it.
+// What allows a step: with the violations that the model finds, exactly the constraints that bear
+// on it.
 
 #include "orasp/explain/grounds.h"
 
@@ -71,7 +72,8 @@ TEST(Grounds, BlockingNamesTheWaysOfTheMovedPiece) {
   const Problem problem = row(R"(, "blocking": {"directions": ["+x", "-x"],
                                   "blocked": [{"part": "1", "by": "2", "directions": ["+x"]}]})");
   const auto found = grounds_of(problem, {"1-2", "2-3", "3-4"});
-  // 1 cannot leave 2 along +x, so it leaves along -x, and comes on along +x. 2 is not blocked by 3 and 4.
+  // 1 cannot leave 2 along +x, so it leaves along -x, and comes on along +x. 2 is not blocked by 3
+  // and 4.
   ASSERT_EQ(found[0].size(), 1);
   EXPECT_EQ(found[0][0].disassembly, "free to leave along -x");
   EXPECT_EQ(found[0][0].assembly, "free to come on along +x");

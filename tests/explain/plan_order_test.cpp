@@ -1,4 +1,5 @@
-// The partial order of a plan: every order of the steps that keeps its pairs must be legal, by the oracle.
+// The partial order of a plan: every order of the steps that keeps its pairs must be legal, by the
+// oracle.
 
 #include "orasp/explain/plan_order.h"
 
@@ -25,7 +26,8 @@ namespace {
 using Sequence = std::vector<ConnectionIndex>;
 using Pairs = std::vector<OrderedPair>;
 
-/// Calls visit(positions) for every order of 0 .. steps - 1 that keeps the pairs, up to `most`; returns how many.
+/// Calls visit(positions) for every order of 0 .. steps - 1 that keeps the pairs, up to `most`;
+/// returns how many.
 std::size_t for_each_extension(const Pairs& pairs, std::size_t steps, std::size_t most,
                                const std::function<void(const std::vector<std::size_t>&)>& visit) {
   std::vector<std::size_t> waits(steps, 0);
@@ -144,8 +146,8 @@ TEST(PlanOrder, EveryOrderThatKeepsItIsLegal) {
   EXPECT_GT(several, 250U);
 }
 
-// All orders that keep the pairs, where nothing but precedence holds: exactly the legal ones that take the same way out
-// of an `after_any`.
+// All orders that keep the pairs, where nothing but precedence holds: exactly the legal ones that
+// take the same way out of an `after_any`.
 TEST(PlanOrder, ByPrecedenceAloneForbidsNothingElse) {
   ProblemSpec spec = instances::assembly(6, {{1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 6}});
   spec.precedence = {{"1-2", {"2-3", "4-5"}, {}}, {"2-3", {"4-5"}, {}}};
@@ -180,8 +182,8 @@ TEST(PlanOrder, KeepsTheCutTreeWhereCutsAreJudged) {
   EXPECT_EQ(plan_order(Problem(spec), Sequence{3, 2, 1, 0}), (Pairs{{0, 2}, {1, 2}, {2, 3}}));
 }
 
-//   1 - 2 - 3 - 4 - 5 - 6 - 7 - 8, cut in the middle, then each half in its middle: three subassemblies after 6-7 and
-//   before 1-2 goes are too many if two are allowed.
+//   1 - 2 - 3 - 4 - 5 - 6 - 7 - 8, cut in the middle, then each half in its middle: three
+//   subassemblies after 6-7 and before 1-2 goes are too many if two are allowed.
 TEST(PlanOrder, KeepsTheNumberOfSubassemblies) {
   std::vector<std::pair<int, int>> row;
   for (int p = 1; p < 8; ++p) row.emplace_back(p, p + 1);

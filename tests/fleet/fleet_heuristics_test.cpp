@@ -9,19 +9,20 @@
 #include <gtest/gtest.h>
 
 #include "orasp/catalogue.h"
-#include "orasp/io/scenarios.h"
 #include "orasp/fleet/fleet_validate.h"
+#include "orasp/io/scenarios.h"
 #include "orasp/model/scenario_generators.h"
 
 namespace orasp {
 namespace {
 
 /// A tree whose part i hangs on part parents[i - 1] < i, along one of `dimensions` axes.
-Problem tree(const std::vector<std::size_t>& parents, std::size_t robots, std::size_t sites, std::uint64_t seed = 0,
-             std::size_t dimensions = 1) {
+Problem tree(const std::vector<std::size_t>& parents, std::size_t robots, std::size_t sites,
+             std::uint64_t seed = 0, std::size_t dimensions = 1) {
   SplitMix64 random(seed);
   ProblemSpec spec;
-  for (std::size_t i = 0; i <= parents.size(); ++i) spec.parts.push_back({std::to_string(i), "", 1, {}});
+  for (std::size_t i = 0; i <= parents.size(); ++i)
+    spec.parts.push_back({std::to_string(i), "", 1, {}});
   for (std::size_t i = 1; i <= parents.size(); ++i) {
     Connection connection;
     connection.parts = {std::to_string(parents[i - 1]), std::to_string(i)};
@@ -62,25 +63,27 @@ TEST(FleetHeuristics, CountAsThePublishedOnesDo) {
 }
 
 TEST(FleetHeuristics, GreedyTravelsAsPublished) {
-  // Sites as in the published heuristics; every part goes from the first one to the depot: 20 sqrt(2) = 28.2843 in plain
-  // distance, 20 * 2 in squared distance, which is what plans count.
+  // Sites as in the published heuristics; every part goes from the first one to the depot: 20
+  // sqrt(2) = 28.2843 in plain distance, 20 * 2 in squared distance, which is what plans count.
   ProblemSpec spec = load_scenario("fleet-hubble").spec();
   spec.fleet->sites = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
   const Problem problem(spec);
-  const FleetResult result =
-      fleet_greedy(FleetProblem(problem), {.objective = FleetObjective::Travel, .steps = {}, .seed = 1}, {});
+  const FleetResult result = fleet_greedy(
+      FleetProblem(problem), {.objective = FleetObjective::Travel, .steps = {}, .seed = 1}, {});
   double plain = 0;
   for (const FleetStep& step : result.plan.steps) {
     for (const FleetMove& move : step.moves)
-      plain += std::sqrt(move.distance / static_cast<double>(move.parts.size())) * static_cast<double>(move.parts.size());
+      plain += std::sqrt(move.distance / static_cast<double>(move.parts.size())) *
+               static_cast<double>(move.parts.size());
   }
   EXPECT_NEAR(plain, 28.2843, 5e-5);
   EXPECT_NEAR(result.reward, -40, 1e-9);
 }
 
 TEST(FleetHeuristics, AStarByHand) {
-  // Part 0 in the middle of five. Two robots: two leaves, two leaves, then the last leaf with the middle: three steps.
-  // The published count would free the last leaf first and leave the middle alone for a step of its own.
+  // Part 0 in the middle of five. Two robots: two leaves, two leaves, then the last leaf with the
+  // middle: three steps. The published count would free the last leaf first and leave the middle
+  // alone for a step of its own.
   EXPECT_EQ(states(tree({0, 0, 0, 0, 0}, 2, 1), "fast"), 4U);
   // Six robots take all at once.
   EXPECT_EQ(states(tree({0, 0, 0, 0, 0}, 6, 1), "fast"), 2U);
@@ -93,7 +96,8 @@ TEST(FleetHeuristics, FastCarriesSubassembliesOffWhereGreedyDoesNot) {
   const FleetResult greedy = fleet_greedy(fleet, {}, {});
   EXPECT_LT(fast.plan.makespan(), greedy.plan.makespan());
   EXPECT_TRUE(std::ranges::any_of(fast.plan.steps, [](const FleetStep& step) {
-    return std::ranges::any_of(step.moves, [](const FleetMove& move) { return move.parts.size() > 1; });
+    return std::ranges::any_of(step.moves,
+                               [](const FleetMove& move) { return move.parts.size() > 1; });
   }));
 }
 
@@ -104,7 +108,8 @@ TEST(FleetHeuristics, PlansOfRandomTreesKeepEveryRuleAndTakeNoFewerStepsThanTheB
     std::vector<std::size_t> parents;
     const std::size_t parts = 2 + random.below(10);
     for (std::size_t p = 1; p < parts; ++p) parents.push_back(random.below(p));
-    const Problem problem = tree(parents, 2 + random.below(4), 1 + random.below(4), random.next(), 3);
+    const Problem problem =
+        tree(parents, 2 + random.below(4), 1 + random.below(4), random.next(), 3);
     const FleetProblem fleet(problem);
     const FleetResult best = solve_fleet(fleet, "fleet-search");
     ASSERT_EQ(status_name(best.status), "optimal");
@@ -136,7 +141,9 @@ TEST(FleetHeuristics, WhatTheyDoNotLookAtIsSaid) {
   const FleetResult result = fleet_greedy(FleetProblem(problem), {}, {});
   EXPECT_EQ(status_name(result.status), "unknown");
   ASSERT_EQ(result.notes.size(), 1U);
-  EXPECT_NE(result.notes[0].find("breaks a rule that it does not look at: step 1: "), std::string::npos) << result.notes[0];
+  EXPECT_NE(result.notes[0].find("breaks a rule that it does not look at: step 1: "),
+            std::string::npos)
+      << result.notes[0];
 
   const Problem one_robot = tree(chain_parents(4), 1, 1);
   EXPECT_EQ(fleet_fast(FleetProblem(one_robot), {}, {}).notes[0],
@@ -153,7 +160,8 @@ TEST(FleetHeuristics, ACycleIsRefusedByName) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "fast plans for products whose connections form no cycle, and connection \"2-5\" closes one; use fleet-search");
+                 "fast plans for products whose connections form no cycle, and connection \"2-5\" "
+                 "closes one; use fleet-search");
   }
 }
 

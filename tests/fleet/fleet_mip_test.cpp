@@ -1,4 +1,5 @@
-// The integer program of fleets against brute force (tests/fleet_oracle.h) and the published values.
+// The integer program of fleets against brute force (tests/fleet_oracle.h) and the published
+// values.
 
 #include "orasp/fleet/fleet_mip.h"
 
@@ -11,10 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "orasp/catalogue.h"
-#include "orasp/io/scenarios.h"
-#include "orasp/model/error.h"
 #include "orasp/fleet/fleet_validate.h"
+#include "orasp/io/scenarios.h"
 #include "orasp/mip/mip_solver.h"
+#include "orasp/model/error.h"
 #include "tests/fleet_oracle.h"
 #include "tests/instances.h"
 
@@ -39,14 +40,16 @@ void expect_valid(const FleetProblem& fleet, const FleetResult& result) {
   EXPECT_NEAR(result.reward, 0.0 - good, 1e-9);
 }
 
-/// The scenario with axes and a fleet: parts of `shape` along x and y, sites and depot as for the lattice.
+/// The scenario with axes and a fleet: parts of `shape` along x and y, sites and depot as for the
+/// lattice.
 ProblemSpec shaped(ProblemSpec spec, const std::vector<std::string>& axes, std::size_t robots) {
   for (std::size_t c = 0; c < axes.size(); ++c) spec.connections[c].axis = axes[c];
   spec.fleet = Fleet{robots, {0, 0}, {{1, 0}, {-1, -2}, {-2, 2}, {2, -2}}};
   return spec;
 }
 
-// CBC itself is not instrumented, and takes most of the time: a sanitizer build looks at fewer problems.
+// CBC itself is not instrumented, and takes most of the time: a sanitizer build looks at fewer
+// problems.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr std::uint64_t kMakespans = 12;
 constexpr std::uint64_t kTravels = 4;
@@ -110,7 +113,8 @@ TEST_F(FleetMip, ProvesThatTwoRobotsOrOneSiteDoNotDoForTheLattice) {
   EXPECT_EQ(status_name(fleet_mip(FleetProblem(problem), {}, {}).status), "infeasible");
 }
 
-// Four parts in a row: with 4 robots the middle goes first, then both halves: 2 steps. A 2x3 raster as the scenario 2x3.
+// Four parts in a row: with 4 robots the middle goes first, then both halves: 2 steps. A 2x3 raster
+// as the scenario 2x3.
 TEST_F(FleetMip, AgreesWithSearchOnTheShapesOfTheSmallScenarios) {
   const ProblemSpec row =
       shaped(instances::assembly(4, {{1, 2}, {2, 3}, {3, 4}}), {"-x", "-x", "-x"}, 4);
@@ -131,9 +135,9 @@ TEST_F(FleetMip, AgreesWithSearchOnTheShapesOfTheSmallScenarios) {
   }
 }
 
-// Four pairs at 1, 2, 3 and 4 m from the depot, and two robots, which carry one pair at a time. The pair at j goes home by
-// way of all nearer sites, j steps of 1 m for two parts: 2 (1 + 2 + 3 + 4) = 20 m^2 in 10 steps, two more than there are
-// parts. In 8 steps it is 28.
+// Four pairs at 1, 2, 3 and 4 m from the depot, and two robots, which carry one pair at a time. The
+// pair at j goes home by way of all nearer sites, j steps of 1 m for two parts: 2 (1 + 2 + 3 + 4) =
+// 20 m^2 in 10 steps, two more than there are parts. In 8 steps it is 28.
 TEST_F(FleetMip, TakesMoreStepsThanThereArePartsWhereThatSavesTravel) {
   ProblemSpec spec = instances::assembly(8, {{1, 2}, {3, 4}, {5, 6}, {7, 8}});
   for (Connection& connection : spec.connections) connection.axis = "+x";
@@ -161,7 +165,8 @@ TEST_F(FleetMip, SaysWhatItKnowsWhenItIsStopped) {
   EXPECT_EQ(result.bound, -3);  // 9 parts, 4 robots
 }
 
-// 9 parts: the last state but one holds places for all; names are unique, and the model grows with the steps.
+// 9 parts: the last state but one holds places for all; names are unique, and the model grows with
+// the steps.
 TEST(FleetMipModel, NamesEachColumnAndRowOnce) {
   ProblemSpec spec = load_scenario("fleet-lattice").spec();
   spec.precedence = {{"1-2", {"2-3"}, {"4-5", "5-6"}}};

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "orasp/catalogue.h"
-#include "orasp/io/scenarios.h"
 #include "orasp/fleet/fleet_validate.h"
+#include "orasp/io/scenarios.h"
 #include "tests/fault.h"
 #include "tests/fleet_oracle.h"
 #include "tests/instances.h"
@@ -26,7 +26,8 @@ Problem lattice(std::size_t robots, std::size_t sites) {
   return Problem(std::move(spec));
 }
 
-/// What must hold of any answer: a plan keeps the rules and is worth what it says, and its bound is true.
+/// What must hold of any answer: a plan keeps the rules and is worth what it says, and its bound is
+/// true.
 void expect_honest(const FleetProblem& fleet, const FleetResult& result) {
   if (!result.has_plan()) {
     EXPECT_TRUE(result.plan.steps.empty());
@@ -99,8 +100,8 @@ TEST(FleetSearch, AgreesWithThePublishedTableOfRobotsAndSites) {
   }
 }
 
-// 20 parts and 4 robots: 5 steps at least; 32 parts and 6 robots: 6. Both are reached, and without moving a
-// subassembly, so that every part pays the 1 m^2 from the nearest site.
+// 20 parts and 4 robots: 5 steps at least; 32 parts and 6 robots: 6. Both are reached, and without
+// moving a subassembly, so that every part pays the 1 m^2 from the nearest site.
 TEST(FleetSearch, MeetsTheBoundOfPartsByRobotsOnHubbleAndTheStation) {
   EXPECT_EQ(fewest_steps(load_scenario("fleet-hubble")).reward, -5);
   EXPECT_EQ(least_travel(load_scenario("fleet-hubble")).reward, -20);
@@ -134,7 +135,8 @@ TEST_P(FleetAgreement, EveryMethodIsRightAboutEveryRandomProblem) {
     const FleetProblem fleet(problem);
     for (const Planner& planner : planners()) {
       if (planner.run_fleet == nullptr || !planner.available()) continue;
-      // The integer program takes seconds where others take a millisecond: fleet_mip_test.cpp compares it.
+      // The integer program takes seconds where others take a millisecond: fleet_mip_test.cpp
+      // compares it.
       if (planner.name == "mip") continue;
       SCOPED_TRACE(std::string(planner.name));
       // fast and greedy plan for trees, and say so of anything else.

@@ -14,7 +14,8 @@
 namespace orasp {
 namespace {
 
-/// 1 - 2 - 3 along x, each comes off its successor by going on along +x; two robots, sites at 1 and 2 m.
+/// 1 - 2 - 3 along x, each comes off its successor by going on along +x; two robots, sites at 1 and
+/// 2 m.
 ProblemSpec row() {
   ProblemSpec spec = instances::assembly(3, {{1, 2}, {2, 3}});
   for (Connection& connection : spec.connections) connection.axis = "+x";
@@ -97,8 +98,8 @@ TEST(FleetProblem, SeesWithoutSearchThatThereIsNoPlan) {
   EXPECT_TRUE(FleetProblem(alone).infeasibility().has_value());
 }
 
-/// Part 1 leaves along +x, part 3 along -x, part 2 stays and is held too, since it leaves for the depot: 3 robots,
-/// three times the 1 m^2 from site 1.
+/// Part 1 leaves along +x, part 3 along -x, part 2 stays and is held too, since it leaves for the
+/// depot: 3 robots, three times the 1 m^2 from site 1.
 FleetPlan all_at_once(const FleetProblem& fleet) {
   const std::vector<PlaceIndex> start = {1, 1, 1};
   FleetState state = fleet_start(fleet, start);
@@ -197,8 +198,8 @@ TEST(FleetValidate, NamesEachBrokenRule) {
   EXPECT_EQ(broken(FleetProblem(limited), good), (Names{"max_subassemblies", "max_moved_parts"}));
 }
 
-// Every step that the oracle allows, and random ones that it may not, from states of random problems: the checker
-// must say the same of a plan of this one step more.
+// Every step that the oracle allows, and random ones that it may not, from states of random
+// problems: the checker must say the same of a plan of this one step more.
 TEST(FleetValidate, AgreesWithTheOracleOnSingleSteps) {
   std::size_t legal_steps = 0;
   std::size_t illegal_steps = 0;
@@ -263,7 +264,8 @@ TEST(FleetValidate, AgreesWithTheOracleOnSingleSteps) {
   EXPECT_GT(illegal_steps, 1000U);
 }
 
-// One step from the start: the splits are those that the oracle reaches, and motions() makes each of them happen.
+// One step from the start: the splits are those that the oracle reaches, and motions() makes each
+// of them happen.
 TEST(FleetExpander, ListsEveryWayOutOfAStepOnce) {
   ProblemSpec spec = row();
   const Problem problem(spec);
@@ -282,7 +284,8 @@ TEST(FleetExpander, ListsEveryWayOutOfAStepOnce) {
     return true;
   });
   std::ranges::sort(found);
-  // Waiting; part 1 or part 3 off what stays; the pair that moves off a single part; the whole moves; all come apart.
+  // Waiting; part 1 or part 3 off what stays; the pair that moves off a single part; the whole
+  // moves; all come apart.
   EXPECT_EQ(found,
             (std::vector<std::string>{"0/0/7", "0/1/6", "0/4/3", "0/7", "3/4", "6/1", "7/0"}));
 }

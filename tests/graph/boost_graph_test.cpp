@@ -1,5 +1,5 @@
-// H handed to the Boost Graph Library: its shortest paths are another oracle for dijkstra and bellman-ford, on graphs
-// too large for tests/oracle.h.
+// H handed to the Boost Graph Library: its shortest paths are another oracle for dijkstra and
+// bellman-ford, on graphs too large for tests/oracle.h.
 
 #include <limits>
 #include <utility>
@@ -10,10 +10,10 @@
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 #include <gtest/gtest.h>
 
+#include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/planners/bellman_ford.h"
 #include "orasp/planners/dijkstra.h"
-#include "orasp/graph/state_graph.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"
 #include "tests/random_problems.h"

@@ -10,16 +10,17 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/graph/graph_size.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/graph/graph_size.h"
 #include "tests/instances.h"
 
 namespace orasp {
 namespace {
 
-// sandwich(): see the drawing. 5 states, 4 actions, one dead end; the plan is 1-2 (0), 2-3 (-0.2215), 1-3 (1).
+// sandwich(): see the drawing. 5 states, 4 actions, one dead end; the plan is 1-2 (0), 2-3
+// (-0.2215), 1-3 (1).
 TEST(StateGraph, HoldsTheStatesOfTheSandwich) {
   const Problem problem(instances::sandwich());
   const TransitionSystem system(problem);
@@ -81,8 +82,9 @@ void expect_same_graph(const StateGraph& one, const StateGraph& other) {
   }
 }
 
-/// A grid of 2 x 6 parts with its 16 connections free, behind `fillers` more of part 1 to itself that must go before
-/// them, one after the other: layers of up to 12,870 states whose keys are few among all sets of their size.
+/// A grid of 2 x 6 parts with its 16 connections free, behind `fillers` more of part 1 to itself
+/// that must go before them, one after the other: layers of up to 12,870 states whose keys are few
+/// among all sets of their size.
 ProblemSpec grid_behind(std::size_t fillers) {
   ProblemSpec spec = grid(2, 6);
   const auto id = [](std::size_t i) { return "f" + std::to_string(i); };
@@ -117,7 +119,8 @@ void expect_sound(const StateGraph& graph) {
   }
 }
 
-// A key of one word and of two, found by hashing: 2^16 states and one for each filler, 16 * 2^15 actions and as many.
+// A key of one word and of two, found by hashing: 2^16 states and one for each filler, 16 * 2^15
+// actions and as many.
 TEST(StateGraph, HasTheStatesOfTheGridBehindFillers) {
   for (const std::size_t fillers : {40U, 60U}) {
     const Problem problem(grid_behind(fillers));
@@ -130,8 +133,8 @@ TEST(StateGraph, HasTheStatesOfTheGridBehindFillers) {
   }
 }
 
-// Layers of more than 10,000 states (smaller ones are not shared out), in one word and in two, under limits and without,
-// with few different rewards and with many.
+// Layers of more than 10,000 states (smaller ones are not shared out), in one word and in two,
+// under limits and without, with few different rewards and with many.
 TEST(StateGraph, IsTheSameForAnyNumberOfThreads) {
   ProblemSpec spec = grid(3, 4);  // 17 connections
   for (std::size_t p = 0; p < spec.parts.size(); ++p)
@@ -160,8 +163,8 @@ double fingerprint(const Step& step) {
   return sum;
 }
 
-// Rewards are kept in 1 byte an action while they take at most 256 values, in 2 up to 65,536, in 8 beyond: all three, and
-// every one must be what the Expander says, in order.
+// Rewards are kept in 1 byte an action while they take at most 256 values, in 2 up to 65,536, in 8
+// beyond: all three, and every one must be what the Expander says, in order.
 TEST(StateGraph, HoldsEveryRewardHoweverManyDifferentOnesThereAre) {
   ProblemSpec spec = grid(3, 4);  // 17 connections, 131,072 states, 1,114,112 actions
   for (std::size_t c = 0; c < 17; ++c)
@@ -302,8 +305,9 @@ TEST(RequireGraphFits, RefusesWithTheEstimateAndOtherMethods) {
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// `lines` rows of `length` connections each of part 1 to itself; within a row they go in order. A state says how far
-/// each row is, so (length + 1)^lines states, and the sequences are the ways to merge the rows: the multinomial number.
+/// `lines` rows of `length` connections each of part 1 to itself; within a row they go in order. A
+/// state says how far each row is, so (length + 1)^lines states, and the sequences are the ways to
+/// merge the rows: the multinomial number.
 Problem rows_in_order(std::size_t lines, std::size_t length) {
   ProblemSpec spec = instances::one_part();
   for (std::size_t line = 0; line < lines; ++line) {

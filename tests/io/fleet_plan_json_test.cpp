@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "orasp/fleet/fleet_search.h"
+#include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
-#include "orasp/fleet/fleet_validate.h"
-#include "orasp/fleet/fleet_search.h"
 #include "tests/fault.h"
 
 namespace orasp {

@@ -87,9 +87,9 @@ TEST(Formula, NamesWhatIsMissing) {
             "the formula has several results; a comma separates the arguments of a function");
 }
 
-TEST(
-    Formula,
-    StoresNothing) {  // muParser would assign: then the reward of a step depends on the steps before
+TEST(Formula,
+     StoresNothing) {  // muParser would assign: then the reward of a step depends on the steps
+                       // before
   EXPECT_EQ(fault("duration = 3"), "\"=\" at character 10 assigns; write == to compare");
   EXPECT_EQ(fault("=1"), "\"=\" at character 1 assigns; write == to compare");
   EXPECT_EQ(value("(1 <= 2) + (2 >= 1) + (1 == 1) + (1 != 2)"), 4);

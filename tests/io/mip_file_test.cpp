@@ -1,4 +1,5 @@
-// What the two formats look like. That CBC and HiGHS read them back is in tests/io/mip_file_test.py.
+// What the two formats look like. That CBC and HiGHS read them back is in
+// tests/io/mip_file_test.py.
 
 #include "orasp/io/mip_file.h"
 
@@ -16,8 +17,8 @@ MipModel small_model() {
   const MipColumn x = model.add_binary("x", 2);
   const MipColumn y = model.add_column({"y", -1, 0, 7, true});
   const MipColumn z = model.add_column({"z", 1.0 / 3, -2.5, 1e10, false});
-  const MipColumn w = model.add_column(
-      {"w", 0, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false});
+  const MipColumn w = model.add_column({"w", 0, -std::numeric_limits<double>::infinity(),
+                                        std::numeric_limits<double>::infinity(), false});
   model.add_column({"unused", 0, 1, 1, true});
   model.add_constant(5);
   model.add_row("first", MipSum().add(x, 3).add(y, 1), MipSense::AtMost, 4);
@@ -114,7 +115,8 @@ TEST(MipFile, TakesTheFormatFromTheEndingAndRefusesOthers) {
       write_model(small_model(), folder.path() / name);
       ADD_FAILURE() << name;
     } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("FILE.lp or FILE.mps"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("FILE.lp or FILE.mps"), std::string::npos)
+          << error.what();
     }
     EXPECT_FALSE(std::filesystem::exists(folder.path() / name));
   }

@@ -18,7 +18,8 @@ namespace {
 
 using nlohmann::json;
 
-/// 1 - 2 - 3 - 4, its middle connection first: -(0.1248 + 0.1248), then -(0.0967 + 0.0967), then the completion 1.
+/// 1 - 2 - 3 - 4, its middle connection first: -(0.1248 + 0.1248), then -(0.0967 + 0.0967), then
+/// the completion 1.
 Result plan_of_4brick() {
   Result result;
   result.method = "value-iteration";

@@ -22,8 +22,8 @@
 namespace orasp {
 namespace {
 
-/// Three steps over three connections. Rewards taken: -1, -2, -4. In the second state (0 and 2 open) 0 earns -2 and 2
-/// earns -3; in the third only 2 is open and earns -4.
+/// Three steps over three connections. Rewards taken: -1, -2, -4. In the second state (0 and 2
+/// open) 0 earns -2 and 2 earns -3; in the third only 2 is open and earns -4.
 ReplayBuffer memory(bool dead_end = false) {
   ReplayBuffer::Episode steps(3);
   ConnectionSet open = ConnectionSet::all(3);
@@ -238,8 +238,8 @@ TEST_F(WithNetwork, LearnsByHandRestoresAndAnswers) {
   EXPECT_THROW(static_cast<void>(make_network(options)), InputError);
 }
 
-/// Without the two things that make an untrained network a good planner (the steps' own rewards, and the best episode):
-/// what it then does well it has learned.
+/// Without the two things that make an untrained network a good planner (the steps' own rewards,
+/// and the best episode): what it then does well it has learned.
 DqnOptions without_help() {
   DqnOptions options;
   options.seed = 3;
@@ -248,7 +248,8 @@ DqnOptions without_help() {
   return options;
 }
 
-/// What sequences from random states of a problem lose against the optimum: mean over `states` of them.
+/// What sequences from random states of a problem lose against the optimum: mean over `states` of
+/// them.
 struct Regret {
   double policy = 0;
   double random = 0;  ///< of a random sequence
@@ -280,8 +281,9 @@ Regret regret(const TransitionSystem& system, const Policy& policy, std::size_t 
   return {sum.policy / static_cast<double>(states), sum.random / static_cast<double>(states)};
 }
 
-/// On lattice one random sequence in 26 is optimal, so the best of 100 nearly always is: what counts is what the policy
-/// earns from any state. A network that learns nothing, or the wrong thing, does as badly as chance.
+/// On lattice one random sequence in 26 is optimal, so the best of 100 nearly always is: what
+/// counts is what the policy earns from any state. A network that learns nothing, or the wrong
+/// thing, does as badly as chance.
 TEST_F(WithNetwork, LearnsLattice) {
   const Problem problem = load_scenario("lattice");
   const TransitionSystem system(problem);
@@ -319,7 +321,8 @@ TEST_F(WithNetwork, LearnsLattice) {
   EXPECT_NE(train(system, options, Budget{}).trained.policy, training.trained.policy);
 }
 
-/// 60 % of the way from the best of 100 random sequences to the optimum, and more, within a thousand episodes.
+/// 60 % of the way from the best of 100 random sequences to the optimum, and more, within a
+/// thousand episodes.
 TEST_F(WithNetwork, BeatsTheBestOfAHundredRandomSequences) {
   const Problem problem = load_scenario("hubble-upc");
   const TransitionSystem system(problem);

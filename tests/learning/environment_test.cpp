@@ -77,7 +77,8 @@ TEST(Environment, KnowsADeadEnd) {
   EXPECT_EQ(world.num_open(0), 1U);
 }
 
-/// Plays random episodes side by side; what they add up to is what the independent checker and the oracle say.
+/// Plays random episodes side by side; what they add up to is what the independent checker and the
+/// oracle say.
 TEST(Environment, RewardsAddUpToThePlansReward) {
   std::size_t finished = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {

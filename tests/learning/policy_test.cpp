@@ -1,4 +1,5 @@
-// A policy of plain weights as a planner: numbers by hand, any state, any newly forbidden connection.
+// A policy of plain weights as a planner: numbers by hand, any state, any newly forbidden
+// connection.
 
 #include "orasp/learning/policy.h"
 

@@ -8,7 +8,8 @@
 namespace orasp {
 namespace {
 
-/// An episode over three connections that takes `order`, each step earning what stands beside it. Legal is what is open.
+/// An episode over three connections that takes `order`, each step earning what stands beside it.
+/// Legal is what is open.
 ReplayBuffer::Episode episode(const std::vector<std::pair<ConnectionIndex, double>>& order) {
   ReplayBuffer::Episode steps(3);
   ConnectionSet open = ConnectionSet::all(3);

@@ -22,7 +22,8 @@ class MipSolverTest : public testing::Test {
   }
 };
 
-/// Weights 2, 3, 4, 5 of worth 3, 4, 5, 6 in a sack for 5: the first two are worth 7, more than any other choice (6, 5).
+/// Weights 2, 3, 4, 5 of worth 3, 4, 5, 6 in a sack for 5: the first two are worth 7, more than any
+/// other choice (6, 5).
 MipModel knapsack() {
   MipModel model;
   MipSum weight;
@@ -94,7 +95,8 @@ TEST_F(MipSolverTest, TakesAModelWithoutRows) {
   EXPECT_EQ(solution.values, (std::vector<double>{1, 0}));
 }
 
-/// Market split (Cornuejols and Dawande 1998): rows that no choice meets exactly, so that the search must try nearly all.
+/// Market split (Cornuejols and Dawande 1998): rows that no choice meets exactly, so that the
+/// search must try nearly all.
 MipModel market_split() {
   MipModel model;
   std::uint64_t state = 7;

@@ -1,5 +1,5 @@
-// The integer program of problems for one robot. That it agrees with brute force on random problems is in
-// agreement_test.cpp, that it keeps the contract of planners in planner_contract_test.cpp.
+// The integer program of problems for one robot. That it agrees with brute force on random problems
+// is in agreement_test.cpp, that it keeps the contract of planners in planner_contract_test.cpp.
 
 #include "orasp/mip/mip.h"
 
@@ -12,9 +12,9 @@
 
 #include "orasp/catalogue.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/mip/mip_solver.h"
 #include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/mip/mip_solver.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
@@ -75,8 +75,9 @@ TEST(Mip, FindsTheKnownOptimaOfTheSmallScenarios) {
   }
 }
 
-// Masses 1, 3, 1, 1 along a chain, at most 1.5 kg moved: the middle may not be cut, since the lighter of its halves has
-// 2 kg; 1-2 is cut first (1 is moved, 1 kg), then 2 may not leave 3-4 (3 kg) unless 4 goes first.
+// Masses 1, 3, 1, 1 along a chain, at most 1.5 kg moved: the middle may not be cut, since the
+// lighter of its halves has 2 kg; 1-2 is cut first (1 is moved, 1 kg), then 2 may not leave 3-4 (3
+// kg) unless 4 goes first.
 TEST(Mip, WeighsWhatIsMovedWhereMassesDiffer) {
   if (!mip_solver_available()) GTEST_SKIP() << "built without CBC";
   ProblemSpec spec = instances::greedy_trap();

@@ -201,8 +201,8 @@ TEST(Problem, LoadsACycleOfPrecedence) {
   EXPECT_EQ(fault_with(cycle), "no fault");
 }
 
-// Part 1 cannot leave 2 along +x: then 2 cannot leave 1 along -x. The second entry says the latter again, and that 2
-// cannot leave 1 along +y: then 1 cannot leave 2 along -y.
+// Part 1 cannot leave 2 along +x: then 2 cannot leave 1 along -x. The second entry says the latter
+// again, and that 2 cannot leave 1 along +y: then 1 cannot leave 2 along -y.
 TEST(Problem, ClosesBlockingUnderAntisymmetryAndMergesEntries) {
   ProblemSpec spec = five_parts();
   spec.blocking =

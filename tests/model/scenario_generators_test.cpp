@@ -90,8 +90,8 @@ TEST(RandomTree, IsATree) {
   }
 }
 
-// There are 4^2 = 16 trees on 4 labels (Cayley). Of 16,000 seeds each should get about 1,000; the standard deviation is
-// sqrt(16000 * 1/16 * 15/16) = 31.
+// There are 4^2 = 16 trees on 4 labels (Cayley). Of 16,000 seeds each should get about 1,000; the
+// standard deviation is sqrt(16000 * 1/16 * 15/16) = 31.
 TEST(RandomTree, IsUniform) {
   std::map<std::string, int> counts;
   for (std::uint64_t seed = 0; seed < 16'000; ++seed) ++counts[pairs(random_tree(4, seed))];

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/graph/state_graph.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/validate.h"
-#include "orasp/graph/state_graph.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
 #include "tests/oracle.h"
@@ -209,7 +209,8 @@ TEST(MovedPiece, IsTheOneWithFewerParts) {
   EXPECT_DOUBLE_EQ(step.kept_mass, 2);
 }
 
-// 1 (5 kg) - 2 (4 kg): one part each, the lighter moves, whichever end of the connection is listed first.
+// 1 (5 kg) - 2 (4 kg): one part each, the lighter moves, whichever end of the connection is listed
+// first.
 TEST(MovedPiece, IsTheLighterOneOnATie) {
   for (const bool turned : {false, true}) {
     ProblemSpec spec = assembly(2, {turned ? std::pair{2, 1} : std::pair{1, 2}});
@@ -227,8 +228,9 @@ TEST(MovedPiece, IsTheOneWithoutTheEarliestPartOnATieOfMass) {
   EXPECT_EQ(step_after(assembly(4, {{2, 4}, {4, 1}, {1, 3}}), {}, "4-1").moved(), Indices({1, 3}));
 }
 
-// 1 (0.3) - 2 (0) - 3 (0.1) - 4 (0.2): 0.1 + 0.2 and 0.3 are one mass to a user (in binary they differ by 6e-17, which
-// would make {1, 2} the lighter), so the tie goes to the piece without part 1.
+// 1 (0.3) - 2 (0) - 3 (0.1) - 4 (0.2): 0.1 + 0.2 and 0.3 are one mass to a user (in binary they
+// differ by 6e-17, which would make {1, 2} the lighter), so the tie goes to the piece without
+// part 1.
 TEST(MovedPiece, TakesMassesThatDifferByRoundingForATie) {
   ProblemSpec spec = instances::greedy_trap();
   spec.parts[0].mass = 0.3;
@@ -239,7 +241,8 @@ TEST(MovedPiece, TakesMassesThatDifferByRoundingForATie) {
   EXPECT_EQ(step_after(spec, {}, "2-3").moved(), Indices({2, 3}));
 }
 
-// 1 - 2 - 3 - 4 - 5, at most one subassembly: only the ends may be cut, since 2-3 leaves {1, 2} and {3, 4, 5}.
+// 1 - 2 - 3 - 4 - 5, at most one subassembly: only the ends may be cut, since 2-3 leaves {1, 2} and
+// {3, 4, 5}.
 TEST(Limits, MaxSubassembliesCountsPiecesOfTwoOrMore) {
   ProblemSpec spec = chain(5);
   spec.limits.max_subassemblies = 1;
@@ -248,7 +251,8 @@ TEST(Limits, MaxSubassembliesCountsPiecesOfTwoOrMore) {
   EXPECT_EQ(legal_after(spec), Ids({"1-2", "2-3", "3-4", "4-5"}));
 }
 
-// Two products of two parts under a limit of one: 1-2 may not even be begun with, the start is too much already.
+// Two products of two parts under a limit of one: 1-2 may not even be begun with, the start is too
+// much already.
 TEST(Limits, AStartWithTooManySubassembliesIsInfeasible) {
   ProblemSpec spec = instances::two_pieces();
   spec.limits.max_subassemblies = 1;
@@ -284,8 +288,8 @@ TEST(Limits, AMassEqualToTheLimitIsAllowedWhateverTheRounding) {
   EXPECT_EQ(legal_after(spec), Ids({"1-2", "3-4"}));
 }
 
-// A ring 1 - 2 - 3 - 1 under limits that forbid every separation: the first removal separates nothing and is free of
-// them; after it the ring is a chain and nothing more may go.
+// A ring 1 - 2 - 3 - 1 under limits that forbid every separation: the first removal separates
+// nothing and is free of them; after it the ring is a chain and nothing more may go.
 TEST(Limits, DoNotBindARemovalThatDoesNotSeparate) {
   ProblemSpec spec = assembly(3, {{1, 2}, {2, 3}, {1, 3}});
   spec.limits.max_moved_parts = 0;
@@ -334,8 +338,8 @@ TEST(BlockingRule, IsAntisymmetric) {
   EXPECT_EQ(legal_after(spec), Ids({"1-2"}));  // along y
 }
 
-// sandwich() without its precedence: 1 between 3 and 2. With 1-3 gone, 1-2 would pull 1 out of the middle; with 2-3
-// gone as well it may go, since 3 is in another piece by then.
+// sandwich() without its precedence: 1 between 3 and 2. With 1-3 gone, 1-2 would pull 1 out of the
+// middle; with 2-3 gone as well it may go, since 3 is in another piece by then.
 TEST(BlockingRule, LooksAtThePartsOfTheTwoPiecesOnly) {
   ProblemSpec spec = instances::sandwich();
   spec.precedence.clear();
@@ -344,8 +348,8 @@ TEST(BlockingRule, LooksAtThePartsOfTheTwoPiecesOnly) {
   EXPECT_EQ(legal_after(spec, {"1-3", "2-3"}), Ids({"1-2"}));
 }
 
-// 1 - 2 - 3 - 4 with a construction zone: a single part out of a piece of 4 costs 0.0967, out of a smaller piece that
-// is not a whole starting piece 0.0823; two parts cost 0.0722, three 0.0782.
+// 1 - 2 - 3 - 4 with a construction zone: a single part out of a piece of 4 costs 0.0967, out of a
+// smaller piece that is not a whole starting piece 0.0823; two parts cost 0.0722, three 0.0782.
 TEST(CubesatZoneObjective, DependsOnThePieceAPartCameFrom) {
   ProblemSpec spec = instances::greedy_trap();
   spec.objective = Objective::named("cubesat_zone");
@@ -365,8 +369,8 @@ TEST(CubesatZoneObjective, DependsOnThePieceAPartCameFrom) {
   EXPECT_NEAR(step_after(ring, {"1-2"}, "2-3").reward, -(0.0967 + 0.0722), 1e-12);
 }
 
-// n = 3 connections present: n - i = 3, 2 for i = 0, 1 and -1 for i = 2. In assembly n counts what is present before
-// the step: 0, 1, 2; only i < n - 1 earns, so 0 is the one, when two are there.
+// n = 3 connections present: n - i = 3, 2 for i = 0, 1 and -1 for i = 2. In assembly n counts what
+// is present before the step: 0, 1, 2; only i < n - 1 earns, so 0 is the one, when two are there.
 TEST(IndexedObjective, CountsWhatIsPresentBeforeTheStep) {
   ProblemSpec spec = instances::greedy_trap();
   spec.objective = Objective::named("indexed");
@@ -380,8 +384,9 @@ TEST(IndexedObjective, CountsWhatIsPresentBeforeTheStep) {
   EXPECT_EQ(step_after(spec, {"2-3", "3-4"}, "1-2").reward, 2);
 }
 
-// 1 at x = 0 and 2, 3 at x = 3, 5 m; depot at (0, 0, 0), 2 m/s. Cutting 1-2 moves {1}: 0 m. Cutting 2-3 moves {3}:
-// 2 * 5 / 2 = 5 s. Duration 10 s. Where the moved part has no position the transfer takes 7 s.
+// 1 at x = 0 and 2, 3 at x = 3, 5 m; depot at (0, 0, 0), 2 m/s. Cutting 1-2 moves {1}: 0 m. Cutting
+// 2-3 moves {3}: 2 * 5 / 2 = 5 s. Duration 10 s. Where the moved part has no position the transfer
+// takes 7 s.
 TEST(TimeObjective, AddsTheTransferOfTheMovedPiece) {
   ProblemSpec spec = instances::chain_of_three();
   spec.parts[0].position = Vector3{0, 0, 0};
@@ -397,7 +402,8 @@ TEST(TimeObjective, AddsTheTransferOfTheMovedPiece) {
   EXPECT_DOUBLE_EQ(step_after(spec, {}, "2-3").reward, -17);
 }
 
-// A piece of two parts at (1, 0, 0) and (1, 4, 0) and a depot at (1, -1, 0): centroid (1, 2, 0), 3 m, so -2 * 9.
+// A piece of two parts at (1, 0, 0) and (1, 4, 0) and a depot at (1, -1, 0): centroid (1, 2, 0), 3
+// m, so -2 * 9.
 TEST(TravelObjective, IsSquaredDistanceOfTheCentroidForEachPart) {
   ProblemSpec spec = instances::greedy_trap();
   spec.parts[0].position = Vector3{9, 9, 9};
@@ -408,7 +414,8 @@ TEST(TravelObjective, IsSquaredDistanceOfTheCentroidForEachPart) {
   EXPECT_DOUBLE_EQ(step_after(spec, {}, "2-3").reward, -18);
 }
 
-// Default tug, 1 kg moved: k = 30 / (200 * 9.80665) = 0.01529574..., e^k - 1 = 0.01541332...; 13 kg of that.
+// Default tug, 1 kg moved: k = 30 / (200 * 9.80665) = 0.01529574..., e^k - 1 = 0.01541332...; 13 kg
+// of that.
 TEST(FuelObjective, IsTheRocketEquationOutEmptyAndBackLoaded) {
   ProblemSpec spec = instances::chain_of_three();
   spec.objective = Objective::named("fuel");
@@ -417,8 +424,8 @@ TEST(FuelObjective, IsTheRocketEquationOutEmptyAndBackLoaded) {
               5e-7);  // 3piece of reference.md: two such steps, -0.400746
 }
 
-// 1 ) - 2: the connection of part 1 to itself separates nothing and is bound by precedence alone; the last removal
-// completes even if it separates nothing.
+// 1 ) - 2: the connection of part 1 to itself separates nothing and is bound by precedence alone;
+// the last removal completes even if it separates nothing.
 TEST(SelfConnection, SeparatesNothing) {
   ProblemSpec spec = assembly(2, {{1, 1}, {1, 2}});
   spec.limits.max_moved_parts = 0;
@@ -457,8 +464,8 @@ TEST(StartPieces, AreSeparateProducts) {
   EXPECT_TRUE(step_after(instances::two_pieces(), {"1-2"}, "3-4").completes);
 }
 
-// Assembly of 1 - 2 - 3: before the first step nothing is present. 1-2 joins {1} and {2}: -2 * 0.0967; then 2-3 joins
-// {1, 2} and {3} and completes.
+// Assembly of 1 - 2 - 3: before the first step nothing is present. 1-2 joins {1} and {2}: -2 *
+// 0.0967; then 2-3 joins {1, 2} and {3} and completes.
 TEST(AssemblyDirection, JoinsTheTwoPieces) {
   ProblemSpec spec = instances::chain_of_three();
   spec.direction = Direction::Assembly;
@@ -532,8 +539,8 @@ TEST(Infeasibility, SeesCyclesThroughAfterAny) {
 
 class WideChain : public testing::TestWithParam<std::size_t> {};
 
-// Cut from the left one part moves off each time: -0.0967, and -0.1368 more when 3 parts are left behind; the last
-// three parts are 3piece: 0.7785.
+// Cut from the left one part moves off each time: -0.0967, and -0.1368 more when 3 parts are left
+// behind; the last three parts are 3piece: 0.7785.
 TEST_P(WideChain, ComesApartFromTheLeft) {
   const std::size_t parts = GetParam();
   const Problem problem(chain(parts));
@@ -584,7 +591,8 @@ TEST_P(WideChain, AgreesWithTheOracleAlongARandomSequence) {
 
 INSTANTIATE_TEST_SUITE_P(Lengths, WideChain, testing::Values(64, 65, 66, 128, 200));
 
-// 1,000 connections, as a chain of 1,001 parts in which each connection waits for the one before it.
+// 1,000 connections, as a chain of 1,001 parts in which each connection waits for the one before
+// it.
 TEST(WideProblem, OfAThousandConnectionsHasItsStates) {
   ProblemSpec spec = chain(1001);
   for (std::size_t c = 1; c < 1000; ++c) {
@@ -601,8 +609,8 @@ TEST(WideProblem, OfAThousandConnectionsHasItsStates) {
   EXPECT_TRUE(graph.goal().has_value());
 }
 
-// In assembly the same clauses forbid only what comes after: with 2-3 made, 3-4 is too late for ever, and with nothing
-// made each of the 1,000 may be the first.
+// In assembly the same clauses forbid only what comes after: with 2-3 made, 3-4 is too late for
+// ever, and with nothing made each of the 1,000 may be the first.
 TEST(WideProblem, OfAThousandConnectionsIsReversedInAssembly) {
   ProblemSpec spec = chain(1001);
   spec.direction = Direction::Assembly;
@@ -623,8 +631,8 @@ TEST(WideProblem, OfAThousandConnectionsIsReversedInAssembly) {
   EXPECT_TRUE(expander.legal(open.view(), 0));
 }
 
-/// `small` among `filler` more connections of the first part to itself, which must go one after the other before
-/// anything of `small`: in front of its connections in the file, or after them.
+/// `small` among `filler` more connections of the first part to itself, which must go one after the
+/// other before anything of `small`: in front of its connections in the file, or after them.
 ProblemSpec embedded(const ProblemSpec& small, std::size_t filler, bool in_front) {
   ProblemSpec wide = small;
   std::vector<Connection> fill;
@@ -646,9 +654,9 @@ ProblemSpec embedded(const ProblemSpec& small, std::size_t filler, bool in_front
   return wide;
 }
 
-// A chain of m connections that must stay in one piece: what is present is a run of neighbours, so m (m + 1) / 2 states
-// and the empty one; each run of one may lose its connection and each longer run one at either end, so
-// m + 2 (m (m - 1) / 2) = m^2 actions.
+// A chain of m connections that must stay in one piece: what is present is a run of neighbours, so
+// m (m + 1) / 2 states and the empty one; each run of one may lose its connection and each longer
+// run one at either end, so m + 2 (m (m - 1) / 2) = m^2 actions.
 TEST(WideProblem, ChainInOnePieceHasItsRunsAsStates) {
   for (const std::size_t m : {12U, 63U, 64U, 65U, 130U}) {
     ProblemSpec spec = chain(m + 1);
@@ -661,9 +669,10 @@ TEST(WideProblem, ChainInOnePieceHasItsRunsAsStates) {
   }
 }
 
-// The same in assembly: reversed, a step must *begin* with at most one subassembly. So from every run any of the m - L
-// connections not in it may be made; one that touches it makes a longer run, another a state of two subassemblies, a
-// run of L and a single one, from which nothing is legal any more.
+// The same in assembly: reversed, a step must *begin* with at most one subassembly. So from every
+// run any of the m - L connections not in it may be made; one that touches it makes a longer run,
+// another a state of two subassemblies, a run of L and a single one, from which nothing is legal
+// any more.
 TEST(WideProblem, ChainInOnePieceHasDeadEndsInAssembly) {
   for (const std::size_t m : {12U, 40U, 65U}) {
     ProblemSpec spec = chain(m + 1);
@@ -690,8 +699,8 @@ TEST(WideProblem, ChainInOnePieceHasDeadEndsInAssembly) {
   }
 }
 
-// The code for more than one word must agree with the oracle as the code for one word does; H is that of the small
-// problem with one state for each filler in front.
+// The code for more than one word must agree with the oracle as the code for one word does; H is
+// that of the small problem with one state for each filler in front.
 TEST(WideProblem, AgreesWithTheOracleOnEmbeddedRandomProblems) {
   for (std::uint64_t seed = 3000; seed < 3040; ++seed) {
     ProblemSpec small = random_problem(seed);

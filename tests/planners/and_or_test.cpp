@@ -37,7 +37,8 @@ void expect_optimum(const Problem& problem, double reward, double tolerance = 1e
   EXPECT_NEAR(replay.reward, reward, tolerance);
 }
 
-// Sums of losses are rounded in another order than limits are: neither may end a search early or lose its plan.
+// Sums of losses are rounded in another order than limits are: neither may end a search early or
+// lose its plan.
 TEST(AndOr, ProvesManyTreesAndGraphsWhereHalvingIsBest) {
   for (int seed = 1; seed <= 12; ++seed) {
     for (const std::string& name :
@@ -51,7 +52,8 @@ TEST(AndOr, ProvesManyTreesAndGraphsWhereHalvingIsBest) {
   }
 }
 
-// A star can only be taken apart arm by arm: n + (n - 1) + ... + 2, which the bound by arms knows and sizes do not.
+// A star can only be taken apart arm by arm: n + (n - 1) + ... + 2, which the bound by arms knows
+// and sizes do not.
 TEST(PieceGains, KnowsWhatAHubCosts) {
   std::vector<std::pair<int, int>> arms;
   for (int arm = 2; arm <= 12; ++arm) arms.emplace_back(1, arm);
@@ -63,7 +65,8 @@ TEST(PieceGains, KnowsWhatAHubCosts) {
   expect_optimum(problem, -(12 * 13 / 2 - 1));
 }
 
-// At most three parts move at a time: what they cost is shared among them by prices, and the plan peels along them.
+// At most three parts move at a time: what they cost is shared among them by prices, and the plan
+// peels along them.
 TEST(AndOr, ComesWithinAPercentOfTheBoundWhereGroupsOfThreeMove) {
   Limits limits;
   limits.max_moved_parts = 3;
@@ -95,8 +98,8 @@ TEST(AndOr, ProvesTheKnownValues) {
   }
 }
 
-// reference.md, "Best rewards of the same scenarios under other objectives": without `indexed`, which sees more than the
-// piece. Six decimals.
+// reference.md, "Best rewards of the same scenarios under other objectives": without `indexed`,
+// which sees more than the piece. Six decimals.
 TEST(AndOr, ProvesTheKnownValuesOfOtherObjectives) {
   struct Row {
     const char* scenario;
@@ -131,8 +134,8 @@ TEST(AndOr, ProvesTheKnownValuesOfOtherObjectives) {
   }
 }
 
-// By hand: a chain of n parts is best halved, so f(n) = n + f(floor(n/2)) + f(ceil(n/2)), f(1) = 0, less the last step's 2.
-// Against a dynamic program written here, and the measured values.
+// By hand: a chain of n parts is best halved, so f(n) = n + f(floor(n/2)) + f(ceil(n/2)), f(1) = 0,
+// less the last step's 2. Against a dynamic program written here, and the measured values.
 TEST(AndOr, HalvesWhereACutCostsAsMuchAsThePieceHasParts) {
   std::vector<double> cost(101, 0);
   for (std::size_t n = 2; n <= 100; ++n)
@@ -146,8 +149,9 @@ TEST(AndOr, HalvesWhereACutCostsAsMuchAsThePieceHasParts) {
   expect_optimum(load_scenario("iss").with_objective(sizes_of_pieces()), -164);
 }
 
-// Against value iteration. The bound is never below the truth; a claim of optimality or infeasibility is true; without
-// precedence the pieces are independent, and the method must come to an end by itself.
+// Against value iteration. The bound is never below the truth; a claim of optimality or
+// infeasibility is true; without precedence the pieces are independent, and the method must come to
+// an end by itself.
 TEST(AndOr, NeverClaimsMoreThanIsTrue) {
   std::size_t taken = 0;
   std::size_t optimal = 0;
@@ -161,7 +165,8 @@ TEST(AndOr, NeverClaimsMoreThanIsTrue) {
     const Problem problem(spec);
     const TransitionSystem system(problem);
     if (!and_or_applies(system)) {
-      // Where no plan can exist (a cycle of precedence, too many subassemblies) even that is not asked.
+      // Where no plan can exist (a cycle of precedence, too many subassemblies) even that is not
+      // asked.
       if (!system.infeasibility()) {
         EXPECT_THROW((void)run(problem), InputError);
       }
@@ -190,7 +195,8 @@ TEST(AndOr, NeverClaimsMoreThanIsTrue) {
       ++optimal;
       EXPECT_NEAR(result.reward, truth.reward, reward_tolerance(truth.reward));
     } else if (spec.precedence.empty() && truth.has_plan() && result.bound) {
-      // What is left out then: pieces that wait for each other at the start, and connections removed early.
+      // What is left out then: pieces that wait for each other at the start, and connections
+      // removed early.
       EXPECT_TRUE(spec.limits.max_subassemblies.has_value() || spec.blocking.has_value());
     }
     if (HasFailure()) return;

@@ -63,7 +63,8 @@ TEST(Beam, HasAPlanForAThousandConnectionsAfterOnePass) {
   }
 }
 
-// What was known stays known: an incumbent is never exchanged for a worse plan, however soon the search ends.
+// What was known stays known: an incumbent is never exchanged for a worse plan, however soon the
+// search ends.
 TEST(Beam, NeverReturnsLessThanTheIncumbent) {
   const Problem problem = load_scenario("hubble").with_objective(Objective::named("indexed"));
   for (const char* method : {"value-iteration", "greedy", "random"}) {
@@ -101,7 +102,8 @@ TEST(Beam, NeverReturnsAWorsePlanForMoreTime) {
   EXPECT_GE(plans, 2U) << "the first plan was the best already: nothing was tested";
 }
 
-// No bound is known where a formula sees what else is there: only a pass that left nothing out proves.
+// No bound is known where a formula sees what else is there: only a pass that left nothing out
+// proves.
 TEST(Beam, ProvesWithoutAnyBound) {
   for (const char* text : {"-before*separates*moved_parts", "sin(7*before*index)"}) {
     for (const char* name : {"2x3", "lattice"}) {

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/graph/state_graph.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
@@ -91,7 +91,8 @@ TEST_P(DenseAgreement, IsRightAboutEveryProblem) {
     const Result fixed = dense(problem, Values::FixedPoint);
     EXPECT_EQ(fixed.has_plan(), truth.feasible);
     if (truth.feasible) {
-      // At most 8 steps of a few hundred each: sums below 1e5, so a unit of 1e-4, and half of it a step.
+      // At most 8 steps of a few hundred each: sums below 1e5, so a unit of 1e-4, and half of it a
+      // step.
       expect_fixed_point(problem, truth.best, 4e-4, false);
       optimal += fixed.status == Status::Optimal ? 1 : 0;
     } else {
@@ -103,8 +104,9 @@ TEST_P(DenseAgreement, IsRightAboutEveryProblem) {
   EXPECT_GE(optimal, 5) << "decimal rewards must be exact";
 }
 
-// Forests in every size about the borders of lanes and blocks: 5 connections fill the lanes, 10 one block, 13 are eight
-// blocks. The costs of a piece are all different, and no two sums of them are alike.
+// Forests in every size about the borders of lanes and blocks: 5 connections fill the lanes, 10 one
+// block, 13 are eight blocks. The costs of a piece are all different, and no two sums of them are
+// alike.
 TEST(DenseValueIteration, ForestsAreAsOnTheGraph) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     for (const std::size_t parts : {5U, 6U, 7U, 8U, 11U, 12U, 14U}) {
@@ -128,8 +130,9 @@ TEST(DenseValueIteration, ForestsAreAsOnTheGraph) {
   }
 }
 
-// Cuts of different pieces can be made in any order, so plans are equally good but for the last bit of a sum: and there
-// (0.1 + a) + b is not (0.1 + b) + a. The same plan as from H shows that sums are formed the same way.
+// Cuts of different pieces can be made in any order, so plans are equally good but for the last bit
+// of a sum: and there (0.1 + a) + b is not (0.1 + b) + a. The same plan as from H shows that sums
+// are formed the same way.
 TEST(DenseValueIteration, TiesOfForestsAreBrokenAsOnTheGraph) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     ProblemSpec spec = random_tree(9, seed);
@@ -146,8 +149,8 @@ TEST(DenseValueIteration, TiesOfForestsAreBrokenAsOnTheGraph) {
   }
 }
 
-// Two start pieces, a part alone, a connection of a part to itself among the lowest five and one above, and an
-// objective of several terms.
+// Two start pieces, a part alone, a connection of a part to itself among the lowest five and one
+// above, and an objective of several terms.
 TEST(DenseValueIteration, ForestsOfSeveralPiecesWithLoopsAreAsOnTheGraph) {
   for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
     ProblemSpec spec = instances::assembly(
@@ -177,8 +180,8 @@ TEST(DenseValueIteration, LoopsOfASinglePartAreAsOnTheGraph) {
   expect_fixed_point(problem, 1, 0, true);
 }
 
-// `cubesat_zone` on a forest, which the quick blocks must leave alone: a pair that is a whole starting piece costs
-// more than a pair cut off.
+// `cubesat_zone` on a forest, which the quick blocks must leave alone: a pair that is a whole
+// starting piece costs more than a pair cut off.
 TEST(DenseValueIteration, KnowsWholeStartingPiecesOfTheZone) {
   ProblemSpec spec = instances::assembly(8, {{1, 2}, {3, 4}, {5, 6}, {6, 7}, {7, 8}});
   spec.objective = Objective::named("cubesat_zone");
@@ -215,7 +218,8 @@ TEST(DenseValueIteration, CountsStatesActionsAndBytes) {
   EXPECT_GE(cycles.statistics.peak_bytes, 8U * 131'072U);
 }
 
-// Rewards of `fuel` are no decimals. 19 steps of at most 4 kg or so, so sums below 100 and a unit of 1e-7.
+// Rewards of `fuel` are no decimals. 19 steps of at most 4 kg or so, so sums below 100 and a unit
+// of 1e-7.
 TEST(DenseValueIteration, RoundedRewardsGiveABoundAndNoFalseProof) {
   const Problem problem = load_scenario("hubble-free").with_objective(Objective::named("fuel"));
   const double best = on_graph(problem).reward;
@@ -227,8 +231,9 @@ TEST(DenseValueIteration, RoundedRewardsGiveABoundAndNoFalseProof) {
   EXPECT_NE(result.notes.front().find("multiples of 1e-"), std::string::npos);
 }
 
-// Steps of 1/3 and 2/3 in units of 1e-8: three are rounded down by a third of a unit and two up. So the value of the
-// start is a third of a unit below the truth, and only the errors of five steps make it a bound.
+// Steps of 1/3 and 2/3 in units of 1e-8: three are rounded down by a third of a unit and two up. So
+// the value of the start is a third of a unit below the truth, and only the errors of five steps
+// make it a bound.
 TEST(DenseValueIteration, TheBoundAllowsForEveryStepsError) {
   ProblemSpec spec = chain(6);
   Callable thirds;
@@ -242,8 +247,8 @@ TEST(DenseValueIteration, TheBoundAllowsForEveryStepsError) {
   EXPECT_NEAR(*result.bound, 7 / 3.0 + 4e-8 / 3, 1e-11);
 }
 
-/// Six parts in a row. Connection 0 must go first (1e-3); as the last but one it would earn `hidden`, which the greedy
-/// plan never meets.
+/// Six parts in a row. Connection 0 must go first (1e-3); as the last but one it would earn
+/// `hidden`, which the greedy plan never meets.
 Problem with_hidden_reward(double hidden) {
   ProblemSpec spec = chain(6);
   Callable callable;
@@ -255,7 +260,8 @@ Problem with_hidden_reward(double hidden) {
   return Problem(spec);
 }
 
-// The unit fits rewards of 1e-3 at first; a reward 1e5 times as large makes it coarser and the sweep begin again.
+// The unit fits rewards of 1e-3 at first; a reward 1e5 times as large makes it coarser and the
+// sweep begin again.
 TEST(DenseValueIteration, BeginsAgainWithACoarserUnitWhereARewardIsTooLarge) {
   const Problem harmless = with_hidden_reward(1e-3);
   EXPECT_EQ(dense(harmless, Values::FixedPoint).statistics.sweeps, 1U);
@@ -396,8 +402,8 @@ TEST(ValueIterationMethod, TakesTheTableWhereNothingIsConstrained) {
   }
 }
 
-// hubble-upc: H needs 20 MB and more and is estimated at 11, the table takes 2 or 4: refused by the estimate at 5 MB,
-// stopped while it grows at 14 MB.
+// hubble-upc: H needs 20 MB and more and is estimated at 11, the table takes 2 or 4: refused by the
+// estimate at 5 MB, stopped while it grows at 14 MB.
 TEST(ValueIterationMethod, TakesTheTableWhereOnlyThatFits) {
   const Problem problem = load_scenario("hubble-upc");
   const TransitionSystem system(problem);

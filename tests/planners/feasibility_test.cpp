@@ -1,4 +1,5 @@
-// find_order() against the oracle on the seeded random problems, from the start and from states in the middle.
+// find_order() against the oracle on the seeded random problems, from the start and from states in
+// the middle.
 
 #include "orasp/planners/feasibility.h"
 
@@ -63,7 +64,8 @@ TEST(FindOrder, IsRightFromEveryStateThatCanBeReached) {
   EXPECT_GT(hopeless, 100U);
 }
 
-// A chain whose cuts are limited: every order of the 300 connections would do, and none has to be undone.
+// A chain whose cuts are limited: every order of the 300 connections would do, and none has to be
+// undone.
 TEST(FindOrder, DoesNotBranchWhereCutsDoNoHarm) {
   ProblemSpec spec = chain(300);
   spec.limits.max_moved_parts = 1;

@@ -16,8 +16,8 @@
 namespace orasp {
 namespace {
 
-// greedy_trap: an end first (-0.2335 beats -0.2496), then the next; 0.5450 where 0.5570 is possible. Both ends tie: the
-// lowest connection goes first.
+// greedy_trap: an end first (-0.2335 beats -0.2496), then the next; 0.5450 where 0.5570 is
+// possible. Both ends tie: the lowest connection goes first.
 TEST(Greedy, TakesTheBestRewardAndTheLowestConnection) {
   const Problem problem(instances::greedy_trap());
   const Result result = greedy(TransitionSystem(problem), Budget{});
@@ -26,8 +26,8 @@ TEST(Greedy, TakesTheBestRewardAndTheLowestConnection) {
   EXPECT_EQ(result.sequence, (std::vector<ConnectionIndex>{0, 1, 2}));
 }
 
-/// Twelve connections of part 1 to itself, free to go in any order, and 1-2, which never can: 4,096 states, none of
-/// which leads anywhere, and 12! = 479,001,600 ways to find that out.
+/// Twelve connections of part 1 to itself, free to go in any order, and 1-2, which never can: 4,096
+/// states, none of which leads anywhere, and 12! = 479,001,600 ways to find that out.
 ProblemSpec hopeless() {
   ProblemSpec spec = instances::boxed_in();
   for (int i = 0; i < 12; ++i) {
@@ -53,8 +53,8 @@ TEST(RandomSequence, RemembersStatesThatFailed) {
   EXPECT_LE(result.statistics.expanded, 4'096U);
 }
 
-// Chain of four parts: 3 first actions, then 2: six sequences, each 1 in 6. Of 6,000 seeds 1,000 each, with a standard
-// deviation of 29; 150 is more than five of these.
+// Chain of four parts: 3 first actions, then 2: six sequences, each 1 in 6. Of 6,000 seeds 1,000
+// each, with a standard deviation of 29; 150 is more than five of these.
 TEST(RandomSequence, DrawsEachActionOfAStateEquallyOften) {
   const Problem problem(chain(4));
   const TransitionSystem system(problem);

@@ -1,4 +1,5 @@
-// Every row of the tables of measured and published values (`cubesat` by exhaustive search; see docs/algorithms.md).
+// Every row of the tables of measured and published values (`cubesat` by exhaustive search; see
+// docs/algorithms.md).
 
 #include <cmath>
 #include <cstdlib>
@@ -11,11 +12,11 @@
 #include <gtest/gtest.h>
 
 #include "orasp/catalogue.h"
+#include "orasp/graph/graph_size.h"
+#include "orasp/graph/state_graph.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/validate.h"
-#include "orasp/graph/graph_size.h"
-#include "orasp/graph/state_graph.h"
 #include "tests/oracle.h"
 
 namespace orasp {
@@ -24,7 +25,8 @@ namespace {
 constexpr const char* kExactMethods[] = {"value-iteration", "dijkstra", "bellman-ford",
                                          "orasp-search",    "a-star",   "beam"};
 
-/// Least reward of a complete plan: H in order of generation, so each state after all that lead to it.
+/// Least reward of a complete plan: H in order of generation, so each state after all that lead to
+/// it.
 double worst_reward(const StateGraph& graph) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<double> least(graph.num_states(), kNever);
@@ -188,7 +190,8 @@ GraphSize size_without_precedence(const std::string& name) {
   return graph_size(StateGraph::build(system, Budget{}));
 }
 
-// Without constraints H has every subset: 2^E states and E 2^(E-1) actions, and H~ has E! complete sequences.
+// Without constraints H has every subset: 2^E states and E 2^(E-1) actions, and H~ has E! complete
+// sequences.
 TEST(KnownSizes, WithoutPrecedenceHoldsEverySubset) {
   const GraphSize small = size_without_precedence("2x3");
   EXPECT_EQ(small.states, 128U);
@@ -200,7 +203,8 @@ TEST(KnownSizes, WithoutPrecedenceHoldsEverySubset) {
   EXPECT_EQ(lattice.sequences, "479001600");
 }
 
-// 19! sequences; nodes of the tree: the sum over k of 19! / k!, which is floor(19! e) = 330665665962404000.
+// 19! sequences; nodes of the tree: the sum over k of 19! / k!, which is floor(19! e) =
+// 330665665962404000.
 TEST(KnownSizes, TreeOfHubbleWithoutConstraints) {
   const Problem problem = load_scenario("hubble-free");
   const TransitionSystem system(problem);
@@ -214,8 +218,8 @@ TEST(KnownSizes, TreeOfHubbleWithoutConstraints) {
   EXPECT_EQ(size.layers[9].states, 92'378U);  // 19 over 9
 }
 
-// The bound of the reference that peeling single parts meets: no plan of ISS earns more than -2.1506, none of JWST more
-// than -16.7118.
+// The bound of the reference that peeling single parts meets: no plan of ISS earns more than
+// -2.1506, none of JWST more than -16.7118.
 TEST(KnownBounds, NoPlanBeatsThem) {
   for (const auto& [name, bound] : {std::pair{"iss", -2.1506}, std::pair{"jwst", -16.7118}}) {
     for (const char* method : {"greedy", "random"}) {

@@ -1,5 +1,5 @@
-// What every planner of the catalogue must do, whatever its method: each row goes through the same checks. A planner
-// added to the table is tested by being there.
+// What every planner of the catalogue must do, whatever its method: each row goes through the same
+// checks. A planner added to the table is tested by being there.
 
 #include <algorithm>
 #include <chrono>
@@ -39,7 +39,8 @@ class PlannerContract : public testing::TestWithParam<std::size_t> {
     expect_honest(problem, oracle::brute_force(spec), planner(), result);
     return result;
   }
-  /// A plan, if there is one, is legal and worth what it says; for problems too large for brute force.
+  /// A plan, if there is one, is legal and worth what it says; for problems too large for brute
+  /// force.
   void expect_legal(const Problem& problem, const Result& result) const {
     if (!result.has_plan()) {
       EXPECT_TRUE(result.sequence.empty());
@@ -143,8 +144,8 @@ TEST_P(PlannerContract, ThreadsDoNotChangeTheAnswer) {
   expect_same_answer(run(problem), run(problem, two));
 }
 
-// A limit that is over before the start. Whoever still finishes must be right; a planner that builds or searches all of
-// hubble (12,096 states) cannot have.
+// A limit that is over before the start. Whoever still finishes must be right; a planner that
+// builds or searches all of hubble (12,096 states) cannot have.
 TEST_P(PlannerContract, StopsAtATimeLimitOfZero) {
   const Problem problem = load_scenario("hubble");
   if (planner().max_connections != 0) return;
@@ -202,7 +203,8 @@ TEST_P(PlannerContract, StopsWhenCancelledOnTheWay) {
   }
 }
 
-// Every limit on expansions gives an honest answer; without one the planner says what brute force says.
+// Every limit on expansions gives an honest answer; without one the planner says what brute force
+// says.
 TEST_P(PlannerContract, IsHonestAtEveryExpansionLimit) {
   for (const ProblemSpec& spec :
        {instances::greedy_trap(), instances::sandwich(), instances::boxed_in(),
@@ -254,8 +256,8 @@ TEST_P(PlannerContract, KeepsToATinyMemoryLimit) {
   }
 }
 
-// 499 connections: 2^499 states. Who needs H says so at once, with the size and what to use instead; the others answer
-// or stop at their limit.
+// 499 connections: 2^499 states. Who needs H says so at once, with the size and what to use
+// instead; the others answer or stop at their limit.
 TEST_P(PlannerContract, RefusesOrSurvivesAChainOf500Parts) {
   const Problem problem(chain(500));
   const auto start = std::chrono::steady_clock::now();
@@ -313,7 +315,8 @@ TEST_P(PlannerContract, KeepsNothingBetweenCalls) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, PlannerContract,
-                         testing::Range<std::size_t>(0, one_robot_planners().size()), [](const auto& row) {
+                         testing::Range<std::size_t>(0, one_robot_planners().size()),
+                         [](const auto& row) {
                            std::string name(one_robot_planners()[row.param].name);
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;

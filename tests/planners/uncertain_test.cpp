@@ -232,18 +232,27 @@ TEST(Uncertain, ThreePartsWithABreakingFailureByHand) {
 }
 
 TEST(Uncertain, TheMostLikelyCourseCountsFailuresThatChangeTheState) {
-  // One connection left is tried until it succeeds, so only the first attempt is open. p = 0.8: it succeeds.
-  const Expectation sure = *solve(chain({R"(, "success": 0.8, "on_failure": {"breaks": ["b-c"]})", R"(, "success": 0.5)"},
-                                        R"(, "precedence": [{"connection": "b-c", "after": ["a-b"]}])"), "auto").expectation;
+  // One connection left is tried until it succeeds, so only the first attempt is open. p = 0.8: it
+  // succeeds.
+  const Expectation sure =
+      *solve(
+           chain({R"(, "success": 0.8, "on_failure": {"breaks": ["b-c"]})", R"(, "success": 0.5)"},
+                 R"(, "precedence": [{"connection": "b-c", "after": ["a-b"]}])"),
+           "auto")
+           .expectation;
   EXPECT_NEAR(sure.probability, 0.8, 1e-12);
   EXPECT_EQ(sure.most_likely, (std::vector<AttemptOutcome>{{0, true}, {1, true}}));
   // p = 0.4: it fails, b-c comes off, and a-b is the one that is left.
-  const Expectation unsure = *solve(chain({R"(, "success": 0.4, "on_failure": {"breaks": ["b-c"]})", ""},
-                                          R"(, "precedence": [{"connection": "b-c", "after": ["a-b"]}])"), "auto").expectation;
+  const Expectation unsure =
+      *solve(chain({R"(, "success": 0.4, "on_failure": {"breaks": ["b-c"]})", ""},
+                   R"(, "precedence": [{"connection": "b-c", "after": ["a-b"]}])"),
+             "auto")
+           .expectation;
   EXPECT_NEAR(unsure.probability, 0.6, 1e-12);
   EXPECT_EQ(unsure.most_likely, (std::vector<AttemptOutcome>{{0, false}, {0, true}}));
   // A job that most likely ends early.
-  const Expectation ended = *solve(chain({R"(, "success": 0.1, "on_failure": {"abort": -5})"}), "auto").expectation;
+  const Expectation ended =
+      *solve(chain({R"(, "success": 0.1, "on_failure": {"abort": -5})"}), "auto").expectation;
   EXPECT_NEAR(ended.probability, 0.9, 1e-12);
   EXPECT_EQ(ended.most_likely, (std::vector<AttemptOutcome>{{0, false}}));
 }
@@ -257,9 +266,11 @@ TEST(Uncertain, AFailureCanTakeTheAttemptedConnectionAndEmptyTheState) {
 }
 
 TEST(Uncertain, AbortByHand) {
-  // One attempt, whatever comes of it. A success earns -1 in disassembly, where no connection is left after it, and -2 in
-  // assembly, where one is made: 0.75 (-1) + 0.25 (-50) = -13.25; 0.75 (-2) + 0.25 (-50) = -14.
-  for (const auto& [direction, expected] : {std::pair("disassembly", -13.25), std::pair("assembly", -14.0)}) {
+  // One attempt, whatever comes of it. A success earns -1 in disassembly, where no connection is
+  // left after it, and -2 in assembly, where one is made: 0.75 (-1) + 0.25 (-50) = -13.25; 0.75
+  // (-2) + 0.25 (-50) = -14.
+  for (const auto& [direction, expected] :
+       {std::pair("disassembly", -13.25), std::pair("assembly", -14.0)}) {
     const Problem problem = chain({R"(, "success": 0.75, "on_failure": {"abort": -50})"},
                                   R"(, "direction": ")" + std::string(direction) + "\"");
     const Result result = solve(problem, "auto");
@@ -284,27 +295,35 @@ TEST(Uncertain, OnFailureNeverHappensWithSuccessOne) {
 
 TEST(Uncertain, WhereEveryPolicyMayEndInADeadEndThereIsNone) {
   // Nothing may ever be moved, however often it is tried.
-  EXPECT_EQ(status_name(solve(chain({R"(, "success": 0.5)"}, R"(, "limits": {"max_moved_parts": 0})"), "auto").status),
-            "infeasible");
+  EXPECT_EQ(
+      status_name(
+          solve(chain({R"(, "success": 0.5)"}, R"(, "limits": {"max_moved_parts": 0})"), "auto")
+              .status),
+      "infeasible");
 }
 
 TEST(Uncertain, AnAttemptWhoseFailureLeadsToADeadEndIsNotMade) {
-  // a-b-c-d-e-f, one subassembly at a time, -1 a step. a-b fails half the time and breaks b-c and d-e: from the start that
-  // leaves a-b, c-d, e-f, three subassemblies, and whatever is removed next leaves two. So only e-f can begin: -1.
-  // Then a-b: a failure leaves a-b, c-d (-1, and a-b until it succeeds: -3), success b-c, c-d, d-e (-3): -1 - 3 = -4.
-  // Or d-e, then a-b: -1 - 1 + 0.5 (-2) + 0.5 (-3) = -4.5; or a-b last: -3 - 2 = -5. Best: -1 - 4.
+  // a-b-c-d-e-f, one subassembly at a time, -1 a step. a-b fails half the time and breaks b-c and
+  // d-e: from the start that leaves a-b, c-d, e-f, three subassemblies, and whatever is removed
+  // next leaves two. So only e-f can begin: -1. Then a-b: a failure leaves a-b, c-d (-1, and a-b
+  // until it succeeds: -3), success b-c, c-d, d-e (-3): -1 - 3 = -4. Or d-e, then a-b: -1 - 1 + 0.5
+  // (-2) + 0.5 (-3) = -4.5; or a-b last: -3 - 2 = -5. Best: -1 - 4.
   const auto six = [](const std::string& last) {
     return parse_problem(R"({"format": "orasp-problem/1",
       "parts": [{"id": "a"}, {"id": "b"}, {"id": "c"}, {"id": "d"}, {"id": "e"}, {"id": "f"}],
       "connections": [{"parts": ["a", "b"], "success": 0.5, "on_failure": {"breaks": ["b-c", "d-e"]}}, {"parts": ["b", "c"]},
-                      {"parts": ["c", "d"]}, {"parts": ["d", "e"]}, {"parts": ["e", "f"])" + last + R"(}],
+                      {"parts": ["c", "d"]}, {"parts": ["d", "e"]}, {"parts": ["e", "f"])" +
+                         last + R"(}],
       "limits": {"max_subassemblies": 1}, "objective": {"type": "expression", "formula": "0 - 1"}})");
   };
   const Result result = solve(six(""), "auto");
   EXPECT_NEAR(result.reward, -5, 1e-12);
   EXPECT_EQ(result.expectation->policy.front().next, 4U);
   // With e-f as risky as a-b nothing safe can begin, though there is a plan where nothing fails.
-  EXPECT_EQ(status_name(solve(six(R"(, "success": 0.5, "on_failure": {"breaks": ["b-c", "d-e"]})"), "auto").status), "infeasible");
+  EXPECT_EQ(status_name(
+                solve(six(R"(, "success": 0.5, "on_failure": {"breaks": ["b-c", "d-e"]})"), "auto")
+                    .status),
+            "infeasible");
 }
 
 TEST(Uncertain, AgreesWithADenseLinearSolve) {

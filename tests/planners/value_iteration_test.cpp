@@ -51,8 +51,8 @@ TEST_F(ValueIterationOnLattice, InitialValuesDoNotMatterInTheEnd) {
   }
 }
 
-// From V_0 = 0 the textbook order knows after k sweeps the best of k steps: right for the last k layers, and it takes 12
-// for the start.
+// From V_0 = 0 the textbook order knows after k sweeps the best of k steps: right for the last k
+// layers, and it takes 12 for the start.
 TEST_F(ValueIterationOnLattice, TextbookOrderStoppedEarlyIsNotOptimal) {
   for (std::uint64_t sweeps = 1; sweeps <= 11; ++sweeps) {
     const Result result =
@@ -85,7 +85,8 @@ TEST_F(ValueIterationOnLattice, AWideEpsilonIsNotAProof) {
   EXPECT_EQ(status_name(result.status), "feasible");
 }
 
-// V of each state is the best over its actions, V of the goal 0, of dead ends and what leads to them only -infinity.
+// V of each state is the best over its actions, V of the goal 0, of dead ends and what leads to
+// them only -infinity.
 TEST(ValueIteration, ValuesSatisfyBellmansEquation) {
   const Problem problem(instances::sandwich());
   const TransitionSystem system(problem);

@@ -1,4 +1,5 @@
-// The data of the report page against the model; what the page makes of them is tested in tests/web.
+// The data of the report page against the model; what the page makes of them is tested in
+// tests/web.
 
 #include "orasp/report/report.h"
 
@@ -11,11 +12,11 @@
 #include <nlohmann/json.hpp>
 
 #include "orasp/catalogue.h"
-#include "orasp/report/fleet_report.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/validate.h"
+#include "orasp/report/fleet_report.h"
 #include "tests/random_problems.h"
 
 namespace orasp {
@@ -118,8 +119,8 @@ std::size_t dead_ends(const Json& data) {
 }
 
 TEST(Report, AStateFromWhichNothingIsLegalIsADeadEnd) {
-  // Single parts alone may move: the row is taken apart from its ends. Where 3-4 must go before its neighbours, 1-2 and
-  // 5-6 go, and then nothing does, for 3-4 would move two parts.
+  // Single parts alone may move: the row is taken apart from its ends. Where 3-4 must go before its
+  // neighbours, 1-2 and 5-6 go, and then nothing does, for 3-4 would move two parts.
   EXPECT_EQ(dead_ends(data_of(row(R"(, "limits": {"max_moved_parts": 1})"))), 0);
   EXPECT_EQ(dead_ends(data_of(row(
                 R"(, "limits": {"max_moved_parts": 1},

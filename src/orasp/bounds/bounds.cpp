@@ -78,7 +78,8 @@ PieceGains::PieceGains(const TransitionSystem& system) {
     measure_sizes(system, expander);
     measure_parts(expander, problem);
   } catch (const InputError&) {
-    // A formula without a value for a step that no plan may ever take, such as 1 / moved_parts where nothing moves.
+    // A formula without a value for a step that no plan may ever take, such as 1 / moved_parts
+    // where nothing moves.
     known_ = sizes_known_ = parts_known_ = false;
   }
 }
@@ -227,8 +228,8 @@ std::uint64_t small_key(std::span<const PartIndex> piece) {
   return key;
 }
 
-/// Calls visit(std::span<const PartIndex>) for connected sets of one, two and three parts up to `largest`; some more than
-/// once.
+/// Calls visit(std::span<const PartIndex>) for connected sets of one, two and three parts up to
+/// `largest`; some more than once.
 template <class Visit>
 void for_each_small_set(const detail::AssemblyGraph& graph, std::size_t largest, Visit&& visit) {
   std::array<PartIndex, 3> set{};
@@ -254,7 +255,8 @@ void for_each_small_set(const detail::AssemblyGraph& graph, std::size_t largest,
 }  // namespace
 
 void PieceGains::measure_parts(Expander& expander, const Problem& problem) {
-  // Only where what a cut gains is told from what it moves; moved pieces are listed as long as they are small.
+  // Only where what a cut gains is told from what it moves; moved pieces are listed as long as they
+  // are small.
   constexpr std::size_t kMostMoved = 3;
   const std::size_t parts = problem.num_parts();
   prices_.assign(parts, -kInfinity);
@@ -292,8 +294,9 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
     double worth;  ///< w
   };
   std::vector<Moved> sets;
-  // The value of a piece of two or three parts by its own cuts; singles are worth nothing. A cut that blocking forbids is
-  // counted all the same: the bound stays finite, and the searches find the dead end.
+  // The value of a piece of two or three parts by its own cuts; singles are worth nothing. A cut
+  // that blocking forbids is counted all the same: the bound stays finite, and the searches find
+  // the dead end.
   const auto moved_gain = [&](PartIndex u, PartIndex v) {
     return std::max(expander.greatest_gain_of_moving({&u, 1}),
                     expander.greatest_gain_of_moving({&v, 1}));
@@ -396,7 +399,8 @@ void PieceGains::lower_prices(Expander& expander, const Problem& problem,
   double scale = 0;
   for (const double price : prices) scale += std::abs(price) / static_cast<double>(prices.size());
   std::vector<double> slope(prices.size());
-  // 2,000 iterations are as good as 20,000 on a grid of 100 parts; with many sets fewer, for half a second at most.
+  // 2,000 iterations are as good as 20,000 on a grid of 100 parts; with many sets fewer, for half a
+  // second at most.
   const int iterations = static_cast<int>(
       std::clamp<std::size_t>(20'000'000 / std::max<std::size_t>(sets.size(), 1), 200, 2000));
   for (int iteration = 0; iteration < iterations; ++iteration) {
@@ -484,8 +488,8 @@ double PieceBound::of_last_piece(std::span<const PartIndex> piece) const {
   return bound;
 }
 
-// Looks at each piece of a state: what its cuts gain, and how much more if the last step of all is its last cut.
-// Returns the sum of the former.
+// Looks at each piece of a state: what its cuts gain, and how much more if the last step of all is
+// its last cut. Returns the sum of the former.
 double PieceBound::measure_units(SetView open) {
   Scratch& s = *scratch_;
   double sum = 0;

@@ -21,9 +21,10 @@ class AssemblyGraph;
 /// real.
 inline constexpr double kRewardTolerance = 1e-10;
 
-/// An upper bound on the reward still to come from a state; 0 at the goal. Each is admissible (never below the best that
-/// a plan can still earn) and consistent (along a legal step it falls by at least what the step earns), with the reason
-/// in its comment. Holds scratch memory: one for each thread.
+/// An upper bound on the reward still to come from a state; 0 at the goal. Each is admissible
+/// (never below the best that a plan can still earn) and consistent (along a legal step it falls by
+/// at least what the step earns), with the reason in its comment. Holds scratch memory: one for
+/// each thread.
 class Bound {
  public:
   Bound() = default;
@@ -34,7 +35,8 @@ class Bound {
   /// Whether it says anything about this problem; if not it is infinite.
   [[nodiscard]] virtual bool known() const = 0;
   [[nodiscard]] virtual double operator()(SetView open) = 0;
-  /// The bounds of the states that `actions` of the state `open` lead to. `here` is the bound of `open`.
+  /// The bounds of the states that `actions` of the state `open` lead to. `here` is the bound of
+  /// `open`.
   virtual void of_successors(SetView open, double here, std::span<const Action> actions,
                              std::span<double> bounds);
 
@@ -42,8 +44,8 @@ class Bound {
   std::vector<std::uint64_t> successor_;
 };
 
-/// For any objective: each open connection earns at most its greatest reward (TransitionSystem::reward_range), and the
-/// last step at most `last_surplus` more.
+/// For any objective: each open connection earns at most its greatest reward
+/// (TransitionSystem::reward_range), and the last step at most `last_surplus` more.
 ///
 /// Admissible: yes, a plan handles each open connection once and each step earns at most its range
 /// allows.
@@ -70,13 +72,14 @@ class ConnectionBound final : public Bound {
   std::vector<double> greatest_;
 };
 
-/// What the bounds for objectives that see the piece only (TransitionSystem::sees_piece_only) have in common, in
-/// disassembly. Such a plan earns
+/// What the bounds for objectives that see the piece only (TransitionSystem::sees_piece_only) have
+/// in common, in disassembly. Such a plan earns
 ///
-///     sum over open connections of own(c)  +  sum over pieces of what their cuts gain  +  what completing adds once,
+///     sum over open connections of own(c)  +  sum over pieces of what their cuts gain  +  what
+///     completing adds once,
 ///
-/// and each piece of n parts is cut exactly n - 1 times, whatever becomes of the others. A bound is then a bound on what
-/// the cuts of one piece can gain.
+/// and each piece of n parts is cut exactly n - 1 times, whatever becomes of the others. A bound is
+/// then a bound on what the cuts of one piece can gain.
 class PieceGains {
  public:
   static constexpr std::size_t kMostParts = 4096;
@@ -91,19 +94,23 @@ class PieceGains {
   [[nodiscard]] bool sizes_known() const { return sizes_known_; }
   [[nodiscard]] bool parts_known() const { return parts_known_; }
 
-  /// Whether pieces may end as more than one part, because connections are kept (TransitionSystem::kept).
+  /// Whether pieces may end as more than one part, because connections are kept
+  /// (TransitionSystem::kept).
   [[nodiscard]] bool has_units() const { return !merged_.empty(); }
-  /// Parts of a piece less the units that it ends as: what kept connections hold together is a unit. 0 without any.
+  /// Parts of a piece less the units that it ends as: what kept connections hold together is a
+  /// unit. 0 without any.
   [[nodiscard]] std::size_t excess(std::span<const PartIndex> piece) const;
-  /// By sizes, for a piece of n parts that ends as n - d units, so is cut n - d - 1 times, whatever their sizes:
+  /// By sizes, for a piece of n parts that ends as n - d units, so is cut n - d - 1 times, whatever
+  /// their sizes:
   ///
-  ///     g(n, d) = max over a + b = n, i + j = d of gain(a, b) + g(a, i) + g(b, j),   i < a, j < b,   g(n, n - 1) = 0.
+  ///     g(n, d) = max over a + b = n, i + j = d of gain(a, b) + g(a, i) + g(b, j),   i < a, j < b,
+  ///     g(n, n - 1) = 0.
   [[nodiscard]] double by_size(std::size_t parts, std::size_t excess) const {
     return excess == 0 ? by_size_[parts] : by_excess_[excess - 1][parts];
   }
 
-  /// The same where the piece's last cut is the last step of all, which adds S to it; S depends on the two units that it
-  /// parts, whose sizes are known:
+  /// The same where the piece's last cut is the last step of all, which adds S to it; S depends on
+  /// the two units that it parts, whose sizes are known:
   ///
   ///     g*(a + b, a + b - 2) = gain(a, b) + S(a, b),
   ///     g*(n, d) = max over cuts of gain(a, b) + max(g*(a, i) + g(b, j), g(a, i) + g*(b, j)).
@@ -112,18 +119,20 @@ class PieceGains {
   [[nodiscard]] double last_by_size(std::size_t parts, std::size_t excess) const {
     return last_by_excess_[excess][parts];
   }
-  /// Most that completing adds to a last step that separates nothing, or that does; -infinity where there is none. Known
-  /// only if has_units().
+  /// Most that completing adds to a last step that separates nothing, or that does; -infinity where
+  /// there is none. Known only if has_units().
   [[nodiscard]] double surplus_without_cut() const { return surplus_without_cut_; }
   [[nodiscard]] double surplus_of_cut() const { return surplus_of_cut_; }
 
-  /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller of a, b at most
-  /// max_moved_parts. Reference: reference.md, "Exact values"; the recursion is Bellman's over sizes.
+  /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller
+  /// of a, b at most max_moved_parts. Reference: reference.md, "Exact values"; the recursion is
+  /// Bellman's over sizes.
   [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
-  /// The same for a piece that falls into `arms` components without some part v: each side of a cut without v lies within
-  /// one of them, so v sees at least as many cuts as there are arms:
+  /// The same for a piece that falls into `arms` components without some part v: each side of a cut
+  /// without v lies within one of them, so v sees at least as many cuts as there are arms:
   ///
-  ///     g(n, k) = max over a + b = n of gain(a, b) + g(a) + g(b, k - 1),   b > k - 1,   v in the side of b.
+  ///     g(n, k) = max over a + b = n of gain(a, b) + g(a) + g(b, k - 1),   b > k - 1,   v in the
+  ///     side of b.
   ///
   /// It tells a hub from a chain. Up to kMostArms, more count as that many, and up to
   /// 512 parts, beyond which it is by_size.
@@ -132,17 +141,21 @@ class PieceGains {
 
   /// The most that a cut into so many parts gains; -infinity where max_moved_parts forbids it.
   [[nodiscard]] double gain(std::size_t moved, std::size_t kept) const;
-  /// By what moves: the sum of prices y(p) <= 0 over the parts of the piece, less the least of them.
+  /// By what moves: the sum of prices y(p) <= 0 over the parts of the piece, less the least of
+  /// them.
   ///
-  /// Simple prices: every part but one of a piece ends as the last of what was moved in some cut (follow the side that
-  /// stays), a different cut for each part; y(p) is the most that a cut gains which moves a piece with p.
+  /// Simple prices: every part but one of a piece ends as the last of what was moved in some cut
+  /// (follow the side that stays), a different cut for each part; y(p) is the most that a cut gains
+  /// which moves a piece with p.
   ///
-  /// Where at most three parts ever move, better ones. Let w(M) be what moving M gains and what M, on its own, gains
-  /// from there on; M runs over all connected sets of up to three parts. If the prices of each M add up to w(M) or more,
-  /// then what is taken off a piece gains at most its prices, so all of it at most the sum without the part that stays
-  /// last. The least such prices are a linear program, the dual of covering the parts with moved pieces; they are found
-  /// nearly by subgradients and then repaired, so that they are always valid. Pieces of up to three parts have their
-  /// exact value, which keeps the bound consistent. Reference: Held and Karp (1971), Math. Programming 1, 6-25.
+  /// Where at most three parts ever move, better ones. Let w(M) be what moving M gains and what M,
+  /// on its own, gains from there on; M runs over all connected sets of up to three parts. If the
+  /// prices of each M add up to w(M) or more, then what is taken off a piece gains at most its
+  /// prices, so all of it at most the sum without the part that stays last. The least such prices
+  /// are a linear program, the dual of covering the parts with moved pieces; they are found nearly
+  /// by subgradients and then repaired, so that they are always valid. Pieces of up to three parts
+  /// have their exact value, which keeps the bound consistent. Reference: Held and Karp (1971),
+  /// Math. Programming 1, 6-25.
   [[nodiscard]] double by_parts(std::span<const PartIndex> piece) const;
 
  private:
@@ -174,21 +187,24 @@ class PieceGains {
   std::vector<double>
       gains_;  ///< of (moved, kept), moved <= kept, in the triangle row moved + kept
   std::vector<double> prices_;
-  /// Exact values of connected sets of two and three parts, by their parts in ascending order; empty with simple prices.
+  /// Exact values of connected sets of two and three parts, by their parts in ascending order;
+  /// empty with simple prices.
   std::unordered_map<std::uint64_t, double> small_;
 };
 
 /// The bound from piece sizes, from what is moved, or for each piece the better of the two.
 ///
-/// Admissible: yes. Sizes: each piece of n parts is cut n - 1 times, each cut of some size, and cuts of sizes that the
-///             limit forbids are left out. Moved parts: see PieceGains::by_parts. Other constraints only take choices
-///             away.
-/// Consistent: yes, for every legal cut of S into A and B g(S) >= gain + g(A) + g(B), for each of the two, and so for
+/// Admissible: yes. Sizes: each piece of n parts is cut n - 1 times, each cut of some size, and
+/// cuts of sizes that the
+///             limit forbids are left out. Moved parts: see PieceGains::by_parts. Other constraints
+///             only take choices away.
+/// Consistent: yes, for every legal cut of S into A and B g(S) >= gain + g(A) + g(B), for each of
+/// the two, and so for
 ///             the smaller of the two.
-/// Where connections are kept, a piece ends as units of several parts: it has that many cuts fewer (g(n, d)), and each
-/// unit but one ends as the last of what was moved, so it pays the price of any one of its parts. What completing adds
-/// then depends on the piece that is cut last (g*).
-/// Infinite where the objective sees more than the piece, in assembly, and beyond PieceGains::kMostParts.
+/// Where connections are kept, a piece ends as units of several parts: it has that many cuts fewer
+/// (g(n, d)), and each unit but one ends as the last of what was moved, so it pays the price of any
+/// one of its parts. What completing adds then depends on the piece that is cut last (g*). Infinite
+/// where the objective sees more than the piece, in assembly, and beyond PieceGains::kMostParts.
 /// Cost:       O(parts^2) once, O(parts + connections) a state.
 class PieceBound final : public Bound {
  public:
@@ -201,8 +217,8 @@ class PieceBound final : public Bound {
   [[nodiscard]] double operator()(SetView open) override;
   void of_successors(SetView open, double here, std::span<const Action> actions,
                      std::span<double> bounds) override;
-  /// Adds to each action's reward the change of the bound that it brings: what the plan loses at least by it, 0 for
-  /// the actions that keep the bound within reach.
+  /// Adds to each action's reward the change of the bound that it brings: what the plan loses at
+  /// least by it, 0 for the actions that keep the bound within reach.
   void add_change(SetView open, std::span<Action> actions);
 
  private:
@@ -227,9 +243,9 @@ inline constexpr std::array<std::string_view, 5> kBoundNames = {"none", "connect
                                                                 "parts", "best"};
 /// @throws InputError that names the known ones.
 [[nodiscard]] BoundKind bound_called(std::string_view name);
-/// Best: for each piece the better of sizes and parts where the objective sees the piece only, else connections. None:
-/// the paper's, the most that the last step can earn; known where no other step earns more than 0, as the paper assumes.
-/// It may turn out to know nothing about the problem.
+/// Best: for each piece the better of sizes and parts where the objective sees the piece only, else
+/// connections. None: the paper's, the most that the last step can earn; known where no other step
+/// earns more than 0, as the paper assumes. It may turn out to know nothing about the problem.
 [[nodiscard]] std::unique_ptr<Bound> make_bound(const TransitionSystem& system, BoundKind kind);
 
 }  // namespace orasp

@@ -60,10 +60,11 @@ class GrowingArray {
  private:
   static constexpr std::size_t kLarge = std::size_t{1} << 20U;
 
-  // Large tables are touched once from end to end: with pages of 2 MiB the kernel is entered 512 times less often. A
-  // hint, given once an array is large (a huge page is cleared whole); where it is not taken nothing changes. It goes to the
-  // whole mapping, from the page of the allocator's header to its end: given to a part it would cut the mapping in
-  // two, which mremap does not move, and realloc would copy, with both copies in memory.
+  // Large tables are touched once from end to end: with pages of 2 MiB the kernel is entered 512
+  // times less often. A hint, given once an array is large (a huge page is cleared whole); where it
+  // is not taken nothing changes. It goes to the whole mapping, from the page of the allocator's
+  // header to its end: given to a part it would cut the mapping in two, which mremap does not move,
+  // and realloc would copy, with both copies in memory.
   void ask_for_huge_pages() {
     huge_pages_ = true;
     constexpr std::uintptr_t kPage = 4096;

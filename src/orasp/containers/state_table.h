@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "orasp/model/connection_set.h"
 #include "orasp/containers/growing_array.h"
+#include "orasp/model/connection_set.h"
 
 namespace orasp::detail {
 

@@ -9,9 +9,11 @@ namespace orasp::detail {
 
 /// Numbers the subsets of 0 .. 63 that have the same size, in ascending order of their masks.
 ///
-/// Idea.       The combinatorial number system: the set b_0 < b_1 < ... has the rank sum of C(b_i, i + 1). Taking b_j
-///             out leaves the terms below it and moves each one above it down a place, so a prefix and a suffix sum
-///             give the ranks of all sets that are one smaller, at two table look-ups each.
+/// Idea.       The combinatorial number system: the set b_0 < b_1 < ... has the rank sum of C(b_i,
+/// i + 1). Taking b_j
+///             out leaves the terms below it and moves each one above it down a place, so a prefix
+///             and a suffix sum give the ranks of all sets that are one smaller, at two table
+///             look-ups each.
 /// Reference.  Lehmer (1964), "The machine tools of combinatorics"; Knuth, TAOCP 4A, 7.2.1.3.
 class SubsetRank {
  public:
@@ -27,7 +29,8 @@ class SubsetRank {
   /// n over k, for n up to 63; 0 where k > n.
   [[nodiscard]] std::uint64_t choose(std::size_t n, std::size_t k) const { return choose_[n][k]; }
 
-  /// Number of subsets of 0 .. n - 1 with k members, for n up to 64; at most 2^64 - 1 (no overflow: C(64, 32) < 2^61).
+  /// Number of subsets of 0 .. n - 1 with k members, for n up to 64; at most 2^64 - 1 (no overflow:
+  /// C(64, 32) < 2^61).
   [[nodiscard]] std::uint64_t subsets(std::size_t n, std::size_t k) const {
     if (k > n) return 0;
     if (n == 0) return 1;
@@ -55,7 +58,8 @@ class SubsetRank {
     }
   }
 
-  /// The subset of rank 0 with `size` members, and the one after `set` (Gosper's hack; HAKMEM 1972, item 175).
+  /// The subset of rank 0 with `size` members, and the one after `set` (Gosper's hack; HAKMEM 1972,
+  /// item 175).
   [[nodiscard]] static std::uint64_t first(std::size_t size) {
     return size == 0 ? 0 : ~std::uint64_t{0} >> (kBits - size);
   }

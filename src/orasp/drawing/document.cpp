@@ -46,7 +46,8 @@ std::string html_text(std::string_view text) {
   return result;
 }
 
-/// Calls text(piece) and code(piece) for what stands outside and inside backquotes. A last one alone is text.
+/// Calls text(piece) and code(piece) for what stands outside and inside backquotes. A last one
+/// alone is text.
 template <class Text, class Code>
 std::string with_code(std::string_view all, Text text, Code code) {
   std::string result;

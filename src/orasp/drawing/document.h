@@ -15,8 +15,9 @@ struct DocumentFigure {
   int width = 50;  ///< of the page, in hundredths
 };
 
-/// A page of headings, paragraphs, tables and figures that can be written as HTML and as Markdown. All text is data: what
-/// would be markup is escaped, but for `code` between backquotes. Numbers in tables stand right.
+/// A page of headings, paragraphs, tables and figures that can be written as HTML and as Markdown.
+/// All text is data: what would be markup is escaped, but for `code` between backquotes. Numbers in
+/// tables stand right.
 ///
 ///     Document page("Results");
 ///     page.heading("Sizes");
@@ -37,7 +38,8 @@ class Document {
 
   /// All pictures, in their order.
   [[nodiscard]] std::vector<const DocumentFigure*> pictures() const;
-  /// One page that needs nothing else: pictures inside, no script, light or dark as the reader has it, fit to be printed.
+  /// One page that needs nothing else: pictures inside, no script, light or dark as the reader has
+  /// it, fit to be printed.
   [[nodiscard]] std::string html() const;
   /// GitHub's Markdown; pictures are links to files in `folder`, relative to the text.
   [[nodiscard]] std::string markdown(std::string_view folder) const;
@@ -63,8 +65,8 @@ class Document {
   std::vector<Block> blocks_;
 };
 
-/// An SVG file as an element of an HTML page: without what stands before <svg>, its ids with `prefix` before them, so that
-/// several on one page do not mistake each other's.
+/// An SVG file as an element of an HTML page: without what stands before <svg>, its ids with
+/// `prefix` before them, so that several on one page do not mistake each other's.
 [[nodiscard]] std::string inline_svg(std::string_view svg, std::string_view prefix);
 
 }  // namespace orasp

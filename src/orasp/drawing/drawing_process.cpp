@@ -98,8 +98,8 @@ std::optional<ProgramRun> run_program(const std::string& program,
                                       std::span<const std::string> arguments,
                                       std::string_view input) {
   const Streams streams;
-  const bool written =
-      input.empty() || std::fwrite(input.data(), 1, input.size(), streams.input.get()) == input.size();
+  const bool written = input.empty() || std::fwrite(input.data(), 1, input.size(),
+                                                    streams.input.get()) == input.size();
   if (!written || std::fflush(streams.input.get()) != 0)
     fail("no room for a temporary file", errno);
   std::rewind(streams.input.get());

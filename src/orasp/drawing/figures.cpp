@@ -10,13 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "orasp/io/atomic_file.h"
 #include "orasp/drawing/detail/dot_text.h"
-#include "orasp/drawing/graphviz.h"
 #include "orasp/drawing/drawing_process.h"
+#include "orasp/drawing/graphviz.h"
+#include "orasp/graph/graph_size.h"
+#include "orasp/io/atomic_file.h"
 #include "orasp/model/error.h"
 #include "orasp/model/situation.h"
-#include "orasp/graph/graph_size.h"
 
 namespace orasp {
 namespace {
@@ -52,8 +52,8 @@ std::size_t crossings(const Problem& problem, const std::vector<Place>& places) 
   return found;
 }
 
-/// Where the parts stand. Of structures whose parts are named Graphviz lays out several, from different starts, and the
-/// one with the fewest crossings is taken.
+/// Where the parts stand. Of structures whose parts are named Graphviz lays out several, from
+/// different starts, and the one with the fewest crossings is taken.
 std::vector<Place> structure_places(const Problem& problem) {
   constexpr std::array<const char*, 6> kStarts = {"regular", "", "2", "3", "4", "5"};
   constexpr std::size_t kMostParts = 60;
@@ -234,7 +234,8 @@ class TreeText {
 // ------------------------------------------------------------------------------------------------
 // Charts
 
-/// A string of gnuplot in single quotes, in which nothing is expanded: no escapes, no commands, no macros.
+/// A string of gnuplot in single quotes, in which nothing is expanded: no escapes, no commands, no
+/// macros.
 std::string gnuplot_string(std::string_view text) {
   std::string result = "'";
   for (const char c : text) {

@@ -12,9 +12,9 @@
 
 #include <fmt/format.h>
 
-#include "orasp/io/atomic_file.h"
 #include "orasp/drawing/detail/dot_text.h"
 #include "orasp/drawing/drawing_process.h"
+#include "orasp/io/atomic_file.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -201,8 +201,8 @@ class LayeredLayout {
 
 constexpr std::size_t kMostNamedParts = 60;
 
-/// The parts' positions as seen from the side and a little above, in points; nothing where one is missing or two would
-/// be drawn on top of each other. The nearest two stand 54 points apart.
+/// The parts' positions as seen from the side and a little above, in points; nothing where one is
+/// missing or two would be drawn on top of each other. The nearest two stand 54 points apart.
 std::optional<std::vector<Place>> stated_places(const Problem& problem) {
   constexpr std::size_t kMost = 500;  // every pair is looked at
   if (problem.num_parts() < 2 || problem.num_parts() > kMost) return std::nullopt;

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "orasp/model/problem.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/model/problem.h"
 
 namespace orasp {
 
@@ -19,12 +19,13 @@ inline constexpr std::uint64_t kMaxDrawnStates = 5'000;
 
 /// How state_graph_dot draws.
 struct StateGraphStyle {
-  /// For a column of a paper: narrow names, on actions the reward alone, states without names earlier.
+  /// For a column of a paper: narrow names, on actions the reward alone, states without names
+  /// earlier.
   bool compact = false;
   /// Colours of actions, one a connection, from the first again when there are more; empty: grey.
   std::span<const std::string_view> colours;
-  /// The graph of the same problem without some constraints, which is then drawn: what the constraints take from it faint
-  /// and dashed.
+  /// The graph of the same problem without some constraints, which is then drawn: what the
+  /// constraints take from it faint and dashed.
   const StateGraph* whole = nullptr;
 };
 
@@ -48,17 +49,19 @@ struct Place {
 struct AssemblyStyle {
   /// Colours of connections, one each, from the first again when there are more; empty: grey.
   std::span<const std::string_view> colours;
-  /// Where the parts stand; empty: where the problem says they are, if it does, else Graphviz finds places.
+  /// Where the parts stand; empty: where the problem says they are, if it does, else Graphviz finds
+  /// places.
   std::span<const Place> places;
   std::string
       start;  ///< where Graphviz begins its search, its attribute of that name; empty: its default
 };
 
-/// The assembly graph G in the DOT language: a node `p0`, `p1`, ... a part, an edge a connection. Up to 60 parts are named;
-/// beyond that an SVG viewer shows the names under the pointer.
+/// The assembly graph G in the DOT language: a node `p0`, `p1`, ... a part, an edge a connection.
+/// Up to 60 parts are named; beyond that an SVG viewer shows the names under the pointer.
 [[nodiscard]] std::string assembly_dot(const Problem& problem, const AssemblyStyle& style = {});
 
-/// Where Graphviz puts the nodes `p0` to `p(nodes-1)` of a text in the DOT language. @throws InputError as svg_text.
+/// Where Graphviz puts the nodes `p0` to `p(nodes-1)` of a text in the DOT language. @throws
+/// InputError as svg_text.
 [[nodiscard]] std::vector<Place> places_of(std::string_view dot, std::size_t nodes);
 
 /// @throws InputError if H has more than kMaxDrawnStates states.

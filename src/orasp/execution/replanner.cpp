@@ -5,11 +5,11 @@
 #include <span>
 #include <utility>
 
+#include "orasp/graph/state_graph.h"
+#include "orasp/graph/state_index.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/planner_support.h"
-#include "orasp/graph/state_graph.h"
-#include "orasp/graph/state_index.h"
 #include "orasp/planners/uncertain.h"
 #include "orasp/planners/value_iteration.h"
 
@@ -28,7 +28,8 @@ bool same_limits(const Limits& a, const Limits& b) {
 
 }  // namespace
 
-/// A problem under one choice of limits and, where it fits, H with every state's best reward still to come.
+/// A problem under one choice of limits and, where it fits, H with every state's best reward still
+/// to come.
 struct Replanner::Held {
   Problem problem;
   Situation origin;
@@ -62,7 +63,8 @@ struct Replanner::Held {
     seconds = watch.seconds();
   }
 
-  /// Takes over the H of `other` with rewards of its own. False, and `other` as it was, where that does not do.
+  /// Takes over the H of `other` with rewards of its own. False, and `other` as it was, where that
+  /// does not do.
   bool take_over(Held& other, const Budget& budget) {
     const Stopwatch watch;
     if (!other.graph || system.infeasibility() ||

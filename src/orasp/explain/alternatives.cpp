@@ -92,7 +92,8 @@ Alternatives best_plans(const StateGraph& graph, std::span<const double> values,
   const auto state_after = [&](const std::vector<ActionId>& path, std::size_t steps) {
     return steps == 0 ? StateId{0} : graph.successor(path[steps - 1]);
   };
-  // Follows V from the end of `path`, which lost `loss` so far, and notes the departures on the way.
+  // Follows V from the end of `path`, which lost `loss` so far, and notes the departures on the
+  // way.
   const auto complete = [&](std::vector<ActionId> path, double loss) {
     for (StateId s = state_after(path, path.size()); s != *graph.goal();
          s = graph.successor(path.back())) {
@@ -136,7 +137,8 @@ Alternatives best_plans(const StateGraph& graph, std::span<const double> values,
                                origin.begin() + static_cast<std::ptrdiff_t>(next.step));
     path.push_back(next.action);
     complete(std::move(path), next.loss);
-    // Each departure is a plan, and what departs from it is no better: more than are asked for are not needed.
+    // Each departure is a plan, and what departs from it is no better: more than are asked for are
+    // not needed.
     const std::uint64_t needed = most - plans.size();
     if (heap.size() / 2 > needed) {
       const auto last = heap.begin() + static_cast<std::ptrdiff_t>(needed);

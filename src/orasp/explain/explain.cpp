@@ -8,8 +8,8 @@
 #include <tuple>
 #include <utility>
 
-#include "orasp/model/detail/wording.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/model/detail/wording.h"
 #include "orasp/planners/feasibility.h"
 #include "orasp/planners/greedy.h"
 
@@ -24,8 +24,8 @@ using detail::in_quotes;
 
 enum class Kind { After, AfterAny, Subassemblies, MovedParts, MovedMass, Blocked, Inaccessible };
 
-/// The least that can be dropped: a limit, one id of an `after`, a whole `after_any` (of which fewer ids ask for more),
-/// one direction of an entry of `blocked`, one inaccessible connection.
+/// The least that can be dropped: a limit, one id of an `after`, a whole `after_any` (of which
+/// fewer ids ask for more), one direction of an entry of `blocked`, one inaccessible connection.
 struct Atom {
   Kind kind;
   std::size_t entry = 0;
@@ -126,7 +126,8 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
   return spec;
 }
 
-/// Whether precedence atoms alone can be met: connections go as soon as nothing holds them. O(connections + ids).
+/// Whether precedence atoms alone can be met: connections go as soon as nothing holds them.
+/// O(connections + ids).
 bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) {
   const std::size_t connections = problem.num_connections();
   std::vector<std::size_t> waits(connections, 0);              // atoms that still hold a connection
@@ -159,7 +160,8 @@ bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) 
 // ---------------------------------------------------------------------------------------------------------------------
 // Finding the conflict
 
-/// An order, in disassembly, of what is left to do under the constraints of `problem`, where only `kept` stays.
+/// An order, in disassembly, of what is left to do under the constraints of `problem`, where only
+/// `kept` stays.
 Feasibility find_order_left(const Problem& problem, const TransitionSystem& system,
                             const ConnectionSet& kept, const Budget& budget) {
   ConnectionSet left(problem.num_connections());  // all that is open, but for `kept`
@@ -211,8 +213,8 @@ class ConflictFinder {
     return false;
   }
 
-  /// What is left of `units`, which conflict, when each that is not needed is dropped, one after the other, and which of
-  /// them are proved to be needed.
+  /// What is left of `units`, which conflict, when each that is not needed is dropped, one after
+  /// the other, and which of them are proved to be needed.
   [[nodiscard]] std::pair<Units, Units> filtered(Units units) {
     Units needed;
     Units unsure;
@@ -229,8 +231,8 @@ class ConflictFinder {
     return {needed, unsure};
   }
 
-  /// QuickXplain: those of `candidates` that are needed beside `background`, given that both together conflict.
-  /// `grown`: something was added to the background since it was last tested.
+  /// QuickXplain: those of `candidates` that are needed beside `background`, given that both
+  /// together conflict. `grown`: something was added to the background since it was last tested.
   [[nodiscard]] Units halved(const Units& background, bool grown, const Units& candidates) {
     if (grown && conflicts(background)) return {};
     if (candidates.size() <= 1) return candidates;
@@ -491,7 +493,8 @@ std::vector<BlockedDirection> blocked_directions(const Problem& problem, const S
   return directions;
 }
 
-/// Pieces of two or more parts where the step's connection is absent: what max_subassemblies judges.
+/// Pieces of two or more parts where the step's connection is absent: what max_subassemblies
+/// judges.
 std::size_t subassemblies_apart(const Problem& problem, const Step& step) {
   if (problem.direction() == Direction::Disassembly) return step.subassemblies;
   return step.subassemblies - 1 + std::size_t{step.a.size() >= 2} + std::size_t{step.b.size() >= 2};
@@ -595,8 +598,8 @@ void search_breadth_first(const TransitionSystem& system, const ConnectionSet& o
   explanation.later = ConnectionExplanation::Later::Never;
 }
 
-/// A legal order from `open` to the end (disassembly: nothing present, assembly: everything), as steps of the problem's
-/// direction.
+/// A legal order from `open` to the end (disassembly: nothing present, assembly: everything), as
+/// steps of the problem's direction.
 Feasibility order_from(const Problem& problem, const ConnectionSet& open, const Budget& budget) {
   Budget share = budget;
   share.progress = nullptr;
@@ -611,8 +614,8 @@ Feasibility order_from(const Problem& problem, const ConnectionSet& open, const 
   return found;
 }
 
-/// Follows the steps as long as they are legal, to the first state in which `connection` is: whether there is one, and
-/// how many steps it takes.
+/// Follows the steps as long as they are legal, to the first state in which `connection` is:
+/// whether there is one, and how many steps it takes.
 std::optional<std::size_t> steps_until_legal(Expander& expander, ConnectionSet state,
                                              std::span<const ConnectionIndex> steps,
                                              ConnectionIndex connection) {

@@ -85,7 +85,8 @@ void add_precedence(const Problem& problem, const Numbers& numbers, ConnectionIn
   }
 }
 
-/// Names of the directions in which the moved piece leaves, and of their opposites, in which it comes on.
+/// Names of the directions in which the moved piece leaves, and of their opposites, in which it
+/// comes on.
 struct Ways {
   std::vector<std::string> off;
   std::vector<std::string> on;

@@ -8,7 +8,8 @@
 
 namespace orasp {
 
-/// A constraint that bears on a step of a plan and is met, and why, said for both orders of the plan.
+/// A constraint that bears on a step of a plan and is met, and why, said for both orders of the
+/// plan.
 struct Ground {
   Constraint constraint = Constraint::Precedence;
   std::string where;  ///< place in the problem file: "precedence[2]", "limits.max_moved_parts"
@@ -16,9 +17,10 @@ struct Ground {
   std::string assembly;
 };
 
-/// What allows each step of a plan: `steps` are those of evaluate(), in the order of the problem's direction, from the
-/// start on. A step that no constraint bears on has no grounds. Constraints that a step breaks are left out; they are in
-/// Evaluation::violations. Shares the rules with Expander and nothing with planners. O(steps * (parts + connections)).
+/// What allows each step of a plan: `steps` are those of evaluate(), in the order of the problem's
+/// direction, from the start on. A step that no constraint bears on has no grounds. Constraints
+/// that a step breaks are left out; they are in Evaluation::violations. Shares the rules with
+/// Expander and nothing with planners. O(steps * (parts + connections)).
 [[nodiscard]] std::vector<std::vector<Ground>> grounds(const TransitionSystem& system,
                                                        std::span<const Step> steps);
 

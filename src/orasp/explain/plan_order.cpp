@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
-/// The plan's cut tree, from the last step to the first: what a step cuts is what it joins when the plan is made
-/// backwards.
+/// The plan's cut tree, from the last step to the first: what a step cuts is what it joins when the
+/// plan is made backwards.
 class CutTree {
  public:
   explicit CutTree(std::size_t parts)
@@ -53,7 +53,8 @@ class CutTree {
 
   /// The separator that parts two parts which hang together now.
   [[nodiscard]] std::size_t parted_by(std::size_t first, std::size_t second) const {
-    // Steps fall on the way up, since later joins are earlier steps: go up from where that is the later step.
+    // Steps fall on the way up, since later joins are earlier steps: go up from where that is the
+    // later step.
     std::size_t step = kNone;
     while (first != second) {
       const bool move_first =
@@ -66,7 +67,8 @@ class CutTree {
     return step;
   }
 
-  /// The most subassemblies that there can be at a time, whatever the order in which the tree is cut.
+  /// The most subassemblies that there can be at a time, whatever the order in which the tree is
+  /// cut.
   [[nodiscard]] std::size_t most_subassemblies() const {
     std::size_t sum = 0;
     for (std::size_t part = 0; part < parent_.size(); ++part) {
@@ -134,8 +136,9 @@ bool judges_cuts(const Problem& problem) {
          std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
 }
 
-/// The pairs that do not follow from others. Steps are already in a topological order, so whatever links `early` and
-/// `late` lies between them, and is met before `early` when the later ones come first.
+/// The pairs that do not follow from others. Steps are already in a topological order, so whatever
+/// links `early` and `late` lies between them, and is met before `early` when the later ones come
+/// first.
 std::vector<OrderedPair> reduced(Before& before) {
   std::vector<std::vector<std::uint64_t>> ancestors(before.size());
   std::vector<OrderedPair> pairs;

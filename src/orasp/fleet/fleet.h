@@ -14,13 +14,15 @@
 
 namespace orasp {
 
-/// Several robots take a product apart in synchronous steps (Culbertson, Bandyopadhyay and Schwager, IROS 2019).
+/// Several robots take a product apart in synchronous steps (Culbertson, Bandyopadhyay and
+/// Schwager, IROS 2019).
 ///
-/// A part without connections is in the depot; every subassembly has a site of its own. In a step each part has one
-/// motion: it stays, or it moves along one signed axis. A connection is cut by the motions of its two parts and
-/// nothing else: equal motions keep it, other motions must pull it apart along its axis. A part that moves or leaves
-/// its site needs a robot of its own; a part that stays cannot change its site, except for the depot. docs/format.md,
-/// section "Fleet problems", states every rule.
+/// A part without connections is in the depot; every subassembly has a site of its own. In a step
+/// each part has one motion: it stays, or it moves along one signed axis. A connection is cut by
+/// the motions of its two parts and nothing else: equal motions keep it, other motions must pull it
+/// apart along its axis. A part that moves or leaves its site needs a robot of its own; a part that
+/// stays cannot change its site, except for the depot. docs/format.md, section "Fleet problems",
+/// states every rule.
 
 /// Place 0 is the depot, place s is site s, in the order of the problem file.
 using PlaceIndex = std::uint32_t;
@@ -42,16 +44,17 @@ inline constexpr std::size_t kNumMotions = kDirectionNames.size() + 1;
   return motion == kStay ? std::string_view("stay") : kDirectionNames[direction_of(motion)];
 }
 
-/// A fleet problem: a checked view on a Problem, which must outlive it. Immutable. Indices of parts and connections
-/// are those of the problem.
+/// A fleet problem: a checked view on a Problem, which must outlive it. Immutable. Indices of parts
+/// and connections are those of the problem.
 ///
 ///     const Problem problem = load_scenario("fleet-lattice");
-///     const FleetProblem fleet(problem);            // throws InputError where something is missing
-///     fleet.robots();                               // 4
-///     fleet.squared_distance(kDepot, 2);            // 5 m^2
+///     const FleetProblem fleet(problem);            // throws InputError where something is
+///     missing fleet.robots();                               // 4 fleet.squared_distance(kDepot,
+///     2);            // 5 m^2
 class FleetProblem {
  public:
-  /// @throws InputError with one sentence: no `fleet`, no site, a connection without `axis` or of a part to itself,
+  /// @throws InputError with one sentence: no `fleet`, no site, a connection without `axis` or of a
+  /// part to itself,
   ///         an attempt that may fail, the direction assembly (a plan read backwards assembles).
   explicit FleetProblem(const Problem& problem);
   /// A problem that goes out of scope at once.
@@ -74,7 +77,8 @@ class FleetProblem {
   /// What moving one part from `a` to `b` counts in the objective travel, in m^2.
   [[nodiscard]] double squared_distance(PlaceIndex a, PlaceIndex b) const;
 
-  /// The direction (of kDirectionNames) in which the first part of connection `c` comes off the second.
+  /// The direction (of kDirectionNames) in which the first part of connection `c` comes off the
+  /// second.
   [[nodiscard]] std::size_t axis(ConnectionIndex c) const { return axis_[c]; }
   /// Spatial axes that are needed: 1 (x), 2 (x, y) or 3.
   [[nodiscard]] std::size_t dimensions() const { return dimensions_; }
@@ -84,7 +88,8 @@ class FleetProblem {
     const Motion back = motion_along(opposite(axis_[c]));
     return first == away ? second == kStay || second == back : first == kStay && second == back;
   }
-  /// Subassemblies that there may be after a step, and at the start: one a site, and the limit of the problem.
+  /// Subassemblies that there may be after a step, and at the start: one a site, and the limit of
+  /// the problem.
   [[nodiscard]] std::size_t most_subassemblies() const { return most_subassemblies_; }
 
   /// Why there is no plan, where that shows without search; empty where search must tell.
@@ -97,7 +102,8 @@ class FleetProblem {
   std::size_t most_subassemblies_ = 0;
 };
 
-/// A block that robots hold in a step: one part that leaves for the depot, or a subassembly that moves.
+/// A block that robots hold in a step: one part that leaves for the depot, or a subassembly that
+/// moves.
 struct FleetMove {
   std::vector<PartIndex> parts;     ///< ascending
   std::vector<std::size_t> robots;  ///< from 1, one for each part, in the order of `parts`
@@ -140,12 +146,13 @@ struct FleetState {
   friend bool operator==(const FleetState&, const FleetState&) = default;
 };
 
-/// The whole product with its pieces at these sites, one for each part (the depot for a part without connections).
+/// The whole product with its pieces at these sites, one for each part (the depot for a part
+/// without connections).
 [[nodiscard]] FleetState fleet_start(const FleetProblem& fleet, std::span<const PlaceIndex> places);
 
-/// The step that these motions and new places of all parts make, and the state after it in `state`. Follows the
-/// rules, does not check them (fleet/fleet_validate.h does): cuts every connection whose parts move differently, and
-/// gives robots from 1 to the parts that move or leave.
+/// The step that these motions and new places of all parts make, and the state after it in `state`.
+/// Follows the rules, does not check them (fleet/fleet_validate.h does): cuts every connection
+/// whose parts move differently, and gives robots from 1 to the parts that move or leave.
 [[nodiscard]] FleetStep fleet_step(const FleetProblem& fleet, FleetState& state,
                                    std::span<const Motion> motions,
                                    std::span<const PlaceIndex> places);

@@ -190,8 +190,8 @@ class FleetExpander::Lister {
       interrupted_ = true;
     return interrupted_;
   }
-  /// Every connected set that holds its first part and, beyond it, later ones: `reach` are the parts that may join
-  /// next, `allowed` those that may join at all.
+  /// Every connected set that holds its first part and, beyond it, later ones: `reach` are the
+  /// parts that may join next, `allowed` those that may join at all.
   void grow(PartMask cluster, PartMask reach, PartMask allowed) {
     const PartMask rest = subassembly_ & ~cluster;
     if (rest == 0 || is_interrupted()) return;

@@ -39,16 +39,18 @@ struct FleetSplit {
   }
 };
 
-/// The ways in which subassemblies can come out of a step: the rules of fleets, arranged for search.
+/// The ways in which subassemblies can come out of a step: the rules of fleets, arranged for
+/// search.
 ///
-/// Idea.  The parts of a subassembly that no robot holds form one connected block, since they have the same motion,
-///        none, and one site. So the held parts are few, and fall into clusters (connected sets of held parts) that
-///        do not touch: each leaves a connected rest, has motions of its own, and is worked out once. A split is a
-///        choice of clusters. If no block stays, all parts are held, and the subassembly has at most as many parts
-///        as there are robots. What motions a split needs is only asked for a plan (motions()): other steps do not
-///        depend on them.
-/// Cost.  Splits are listed without motions, each once. Subassemblies are remembered with their clusters.
-/// Owns its memory; refers to the problem. For one thread.
+/// Idea.  The parts of a subassembly that no robot holds form one connected block, since they have
+/// the same motion,
+///        none, and one site. So the held parts are few, and fall into clusters (connected sets of
+///        held parts) that do not touch: each leaves a connected rest, has motions of its own, and
+///        is worked out once. A split is a choice of clusters. If no block stays, all parts are
+///        held, and the subassembly has at most as many parts as there are robots. What motions a
+///        split needs is only asked for a plan (motions()): other steps do not depend on them.
+/// Cost.  Splits are listed without motions, each once. Subassemblies are remembered with their
+/// clusters. Owns its memory; refers to the problem. For one thread.
 class FleetExpander {
  public:
   /// @throws InputError above kFleetMaxParts parts.
@@ -60,7 +62,8 @@ class FleetExpander {
   /// The parts that `part` is joined to at the start.
   [[nodiscard]] PartMask neighbours(std::size_t part) const { return adjacent_[part]; }
 
-  /// The connections of one subassembly that precedence forbids to cut now, as a number: 0 for none.
+  /// The connections of one subassembly that precedence forbids to cut now, as a number: 0 for
+  /// none.
   using Locks = std::uint32_t;
   /// `all` are the subassemblies that there are, `subassembly` is one of them.
   [[nodiscard]] Locks locks(std::span<const PartMask> all, PartMask subassembly) {
@@ -75,17 +78,19 @@ class FleetExpander {
     std::size_t cluster =
         kFleetMaxParts;  ///< parts of a cluster; fewer than the robots: not every split is listed
   };
-  /// Calls `visit(const FleetSplit&)`, which says whether to go on, for every way in which `subassembly` can come out
-  /// of a step. Waiting is one of them, and so is moving the whole. @returns false if it was told to end.
+  /// Calls `visit(const FleetSplit&)`, which says whether to go on, for every way in which
+  /// `subassembly` can come out of a step. Waiting is one of them, and so is moving the whole.
+  /// @returns false if it was told to end.
   template <class Visit>
   bool for_each_split(PartMask subassembly, Locks locks, const Means& means, Visit&& visit);
 
-  /// `interrupted` is asked now and then while the clusters of a large subassembly are worked out; once it says yes,
-  /// splits are missing.
+  /// `interrupted` is asked now and then while the clusters of a large subassembly are worked out;
+  /// once it says yes, splits are missing.
   void set_interrupt(std::function<bool()> interrupted) { interrupted_ = std::move(interrupted); }
 
-  /// Motions that make the split happen, written to the entries of its parts. @returns whether there are any: so it
-  /// is for every split that for_each_split lists, and for no other, but for the number of robots.
+  /// Motions that make the split happen, written to the entries of its parts. @returns whether
+  /// there are any: so it is for every split that for_each_split lists, and for no other, but for
+  /// the number of robots.
   [[nodiscard]] bool motions(PartMask subassembly, Locks locks, const FleetSplit& split,
                              std::span<Motion> motions) const;
 
@@ -93,7 +98,8 @@ class FleetExpander {
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:
-  /// Parts that move along each direction, and what stands in their way there; only where the problem has blocking.
+  /// Parts that move along each direction, and what stands in their way there; only where the
+  /// problem has blocking.
   struct Way {
     std::array<PartMask, 6> along{};
     std::array<PartMask, 6> blockers{};
@@ -141,7 +147,8 @@ class FleetExpander {
   [[nodiscard]] Locks locks_under_precedence(std::span<const PartMask> all, PartMask subassembly);
   const Known& known(PartMask subassembly, Locks locks, std::size_t cluster);
   [[nodiscard]] PartMask reached(PartMask from, PartMask within) const;
-  /// Motions that part i may have next to a part j that moves by `motion`; 0 if they are not joined.
+  /// Motions that part i may have next to a part j that moves by `motion`; 0 if they are not
+  /// joined.
   [[nodiscard]] unsigned allowed_beside(std::size_t i, std::size_t j, Motion motion,
                                         const std::vector<PartMask>& rigid) const;
   [[nodiscard]] bool liftable(PartMask block) const;

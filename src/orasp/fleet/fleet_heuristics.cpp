@@ -35,7 +35,8 @@ class Forest {
     for (ConnectionIndex c = 0; c < fleet.num_connections(); ++c) {
       const auto [a, b] = problem.ends(c);
       if (root(a) == root(b)) {
-        throw InputError(std::string(method) + " plans for products whose connections form no cycle, and connection \"" +
+        throw InputError(std::string(method) +
+                         " plans for products whose connections form no cycle, and connection \"" +
                          problem.connection_id(c) + "\" closes one; use fleet-search");
       }
       piece[root(a)] = root(b);
@@ -44,7 +45,9 @@ class Forest {
     }
   }
 
-  [[nodiscard]] const std::vector<Neighbour>& neighbours(PartIndex part) const { return neighbours_[part]; }
+  [[nodiscard]] const std::vector<Neighbour>& neighbours(PartIndex part) const {
+    return neighbours_[part];
+  }
 
   /// Pieces of two or more parts, each ascending, by their first part.
   [[nodiscard]] std::vector<std::vector<PartIndex>> pieces() const {
@@ -88,9 +91,11 @@ struct Label {
 /// The labels of one piece, from its leaves inwards.
 class Labels {
  public:
-  Labels(const Forest& forest, const std::vector<PartIndex>& piece, std::vector<Label>& labels) : labels_(labels) {
+  Labels(const Forest& forest, const std::vector<PartIndex>& piece, std::vector<Label>& labels)
+      : labels_(labels) {
     std::deque<PartIndex> peelable;
-    std::vector<std::pair<PartIndex, std::size_t>> unpeeled;  // neighbours of each part, by its place in `piece`
+    std::vector<std::pair<PartIndex, std::size_t>>
+        unpeeled;  // neighbours of each part, by its place in `piece`
     const auto place_of = [&piece](PartIndex part) {
       return static_cast<std::size_t>(std::ranges::lower_bound(piece, part) - piece.begin());
     };
@@ -152,14 +157,18 @@ class Labels {
 struct Parting {
   std::vector<PartIndex> piece;
   std::vector<PartIndex> singles;  ///< leave for the depot
-  std::vector<PartIndex> tops;     ///< of subassemblies that are carried off: each with all below it
+  std::vector<PartIndex> tops;  ///< of subassemblies that are carried off: each with all below it
 };
 
 /// The heuristics at work: one step after the other.
 class Work {
  public:
   Work(const FleetProblem& fleet, std::string_view method, bool fast)
-      : fleet_(fleet), forest_(fleet, method), fast_(fast), labels_(fleet.num_parts()), places_(fleet.num_parts(), kDepot) {
+      : fleet_(fleet),
+        forest_(fleet, method),
+        fast_(fast),
+        labels_(fleet.num_parts()),
+        places_(fleet.num_parts(), kDepot) {
     PlaceIndex site = 0;
     for (const std::vector<PartIndex>& piece : forest_.pieces()) {
       ++site;
@@ -226,7 +235,9 @@ class Work {
     return motion_along(fleet_.problem().ends(c)[0] == part ? axis : opposite(axis));
   }
 
-  [[nodiscard]] double distance(PlaceIndex a, PlaceIndex b) const { return std::sqrt(fleet_.squared_distance(a, b)); }
+  [[nodiscard]] double distance(PlaceIndex a, PlaceIndex b) const {
+    return std::sqrt(fleet_.squared_distance(a, b));
+  }
 
   /// The depot where none is free: the checker says what is wrong with that.
   [[nodiscard]] PlaceIndex nearest_free(PlaceIndex from, const std::vector<bool>& used) const {
@@ -255,7 +266,8 @@ class Work {
     for (const PartIndex top : parting.tops) {
       for (const PartIndex part : labels.below(top)) goes[part] = true;
     }
-    const PartIndex lone = *std::ranges::find_if(piece, [&](PartIndex part) { return !goes[part]; });
+    const PartIndex lone =
+        *std::ranges::find_if(piece, [&](PartIndex part) { return !goes[part]; });
     const auto touches = [&](PartIndex part) {
       return labels[part].parent == lone || labels[lone].parent == part;
     };
@@ -274,7 +286,9 @@ class Work {
   /// The leaves that come off, those near the root first; takes their robots.
   std::vector<PartIndex> leaves(const std::vector<PartIndex>& piece, const Labels& labels) {
     std::vector<PartIndex> order = piece;
-    std::ranges::stable_sort(order, {}, [&](PartIndex part) { return std::pair(labels[part].layer, labels[part].rank); });
+    std::ranges::stable_sort(order, {}, [&](PartIndex part) {
+      return std::pair(labels[part].layer, labels[part].rank);
+    });
     std::vector<PartIndex> chosen;
     bool root_chosen = false;
     for (const PartIndex part : order) {
@@ -300,12 +314,15 @@ class Work {
     // What has grown to `parent` takes in all below it.
     const auto grows = [&](PartIndex parent, bool is_new) {
       const std::size_t size = parting.piece.size();
-      if (parent == kNone || parent == labels.root() || size <= 3 || held_parts >= size) return false;
+      if (parent == kNone || parent == labels.root() || size <= 3 || held_parts >= size)
+        return false;
       if (is_new && subassemblies_ >= fleet_.num_sites()) return false;
       const std::vector<PartIndex> parts = labels.below(parent);
-      const auto more = static_cast<std::size_t>(std::ranges::count_if(parts, [&](PartIndex part) { return !held[part]; }));
+      const auto more = static_cast<std::size_t>(
+          std::ranges::count_if(parts, [&](PartIndex part) { return !held[part]; }));
       if (robots_ + more > fleet_.robots()) return false;
-      if (labels[parent].weight > size / (parting.singles.size() + parting.tops.size() + 1)) return false;
+      if (labels[parent].weight > size / (parting.singles.size() + parting.tops.size() + 1))
+        return false;
       robots_ += more;
       held_parts += more;
       std::vector<bool> inside(fleet_.num_parts(), false);
@@ -321,11 +338,14 @@ class Work {
     for (bool changed = true; changed;) {
       changed = false;
       for (const PartIndex leaf : std::vector(parting.singles)) {
-        if (std::ranges::find(parting.singles, leaf) != parting.singles.end() && grows(labels[leaf].parent, true))
+        if (std::ranges::find(parting.singles, leaf) != parting.singles.end() &&
+            grows(labels[leaf].parent, true))
           changed = true;
       }
       for (const PartIndex top : std::vector(parting.tops)) {
-        if (std::ranges::find(parting.tops, top) != parting.tops.end() && grows(labels[top].parent, false)) changed = true;
+        if (std::ranges::find(parting.tops, top) != parting.tops.end() &&
+            grows(labels[top].parent, false))
+          changed = true;
       }
     }
   }
@@ -341,8 +361,8 @@ class Work {
   std::size_t subassemblies_ = 0;  ///< pieces before this step and what is carried off in it
 };
 
-FleetResult run(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget, std::string_view method,
-                bool fast) {
+FleetResult run(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget,
+                std::string_view method, bool fast) {
   const Stopwatch watch;
   FleetResult result;
   result.method = method;
@@ -359,35 +379,42 @@ FleetResult run(const FleetProblem& fleet, const FleetOptions& options, const Bu
   if (result.stop != Stop::None) return result;
   if (stuck) {
     result.notes.emplace_back("no further step: " + std::to_string(fleet.robots()) +
-                              (fleet.robots() == 1 ? " robot is" : " robots are") + " too few for this heuristic");
+                              (fleet.robots() == 1 ? " robot is" : " robots are") +
+                              " too few for this heuristic");
     return result;
   }
   const FleetEvaluation evaluation = evaluate(fleet, work.plan());
   const std::size_t steps = work.plan().makespan();
   if (!evaluation.valid) {
     const FleetViolation& first = evaluation.violations.front();
-    result.notes.push_back("the heuristic's plan of " + std::to_string(steps) + " steps breaks a rule that it does not look at: step " +
+    result.notes.push_back("the heuristic's plan of " + std::to_string(steps) +
+                           " steps breaks a rule that it does not look at: step " +
                            std::to_string(first.step) + ": " + first.message);
     return result;
   }
   if (options.steps && steps > *options.steps) {
-    result.notes.push_back("the heuristic's plan takes " + std::to_string(steps) + " steps, more than allowed");
+    result.notes.push_back("the heuristic's plan takes " + std::to_string(steps) +
+                           " steps, more than allowed");
     return result;
   }
   result.status = Status::Feasible;
   result.plan = std::move(work.plan());
-  result.reward = options.objective == FleetObjective::Makespan ? -static_cast<double>(steps) : -result.plan.travel();
-  result.notes.push_back("T = " + std::to_string(steps + 1) + " states, as the published heuristics count: the start is one");
+  result.reward = options.objective == FleetObjective::Makespan ? -static_cast<double>(steps)
+                                                                : -result.plan.travel();
+  result.notes.push_back("T = " + std::to_string(steps + 1) +
+                         " states, as the published heuristics count: the start is one");
   return result;
 }
 
 }  // namespace
 
-FleetResult fleet_fast(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
+FleetResult fleet_fast(const FleetProblem& fleet, const FleetOptions& options,
+                       const Budget& budget) {
   return run(fleet, options, budget, "fast", true);
 }
 
-FleetResult fleet_greedy(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
+FleetResult fleet_greedy(const FleetProblem& fleet, const FleetOptions& options,
+                         const Budget& budget) {
   return run(fleet, options, budget, "greedy", false);
 }
 

@@ -7,27 +7,33 @@
 #include <span>
 #include <vector>
 
-#include "orasp/fleet/fleet_expander.h"
-#include "orasp/task/budget.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/fleet/fleet_expander.h"
+#include "orasp/task/budget.h"
 
 namespace orasp {
 
 /// The fewest steps in which a fleet takes the product apart, from any set of subassemblies.
 ///
-/// Problem.    For the number of steps only the set of subassemblies matters: blocks that stay keep their sites, which
-///             differ, and blocks that move may take any free one. So a state is a set of disjoint blocks of parts.
-/// Idea.       Depth first with a limit on the steps, one more at a time (iterative deepening, Korf 1985), over a table
-///             of every state met: the steps that it is proved to take at least, and at most where a plan is known.
-///             With k steps left for n parts a step must free at least n - robots * (k - 1) of them, so only so
-///             many robots may hold blocks that move. Each subassembly is first asked for alone, with all robots and
-///             sites to itself; what is proved of it holds in every state that it is part of.
-/// Bounds.     parts / robots, rounded up: admissible, for each part is freed once by a robot of its own, and consistent.
-///             Each subassembly alone: admissible, for a plan of the whole, looked at on one subassembly, keeps all rules
-///             with no more robots and sites.
+/// Problem.    For the number of steps only the set of subassemblies matters: blocks that stay keep
+/// their sites, which
+///             differ, and blocks that move may take any free one. So a state is a set of disjoint
+///             blocks of parts.
+/// Idea.       Depth first with a limit on the steps, one more at a time (iterative deepening, Korf
+/// 1985), over a table
+///             of every state met: the steps that it is proved to take at least, and at most where
+///             a plan is known. With k steps left for n parts a step must free at least n - robots
+///             * (k - 1) of them, so only so many robots may hold blocks that move. Each
+///             subassembly is first asked for alone, with all robots and sites to itself; what is
+///             proved of it holds in every state that it is part of.
+/// Bounds.     parts / robots, rounded up: admissible, for each part is freed once by a robot of
+/// its own, and consistent.
+///             Each subassembly alone: admissible, for a plan of the whole, looked at on one
+///             subassembly, keeps all rules with no more robots and sites.
 /// Guarantee.  Exact. Every answer but a stop is proved.
-/// Cost.       Exponential. Memory: 8 bytes for each subassembly that may be there, and about 30 more, a state.
+/// Cost.       Exponential. Memory: 8 bytes for each subassembly that may be there, and about 30
+/// more, a state.
 class FleetMakespanSearch {
  public:
   using StateNumber = std::uint32_t;
@@ -50,15 +56,16 @@ class FleetMakespanSearch {
   /// Steps of the best plan known from the state; kNoPlan: none is known.
   [[nodiscard]] std::size_t upper(StateNumber state) const { return nodes_[state].upper; }
 
-  /// Orders states by how near they seem to the end: less is nearer. First by lower(); then by the steps that peeling
-  /// takes, outermost parts first, with the robots there are (the level algorithm of Hu 1961): a guess, no bound.
+  /// Orders states by how near they seem to the end: less is nearer. First by lower(); then by the
+  /// steps that peeling takes, outermost parts first, with the robots there are (the level
+  /// algorithm of Hu 1961): a guess, no bound.
   [[nodiscard]] std::uint64_t rank(StateNumber state) const;
 
-  /// Whether the state can be finished within `steps`; raises lower() above `steps` if not. False too when
-  /// stopped.
+  /// Whether the state can be finished within `steps`; raises lower() above `steps` if not. False
+  /// too when stopped.
   bool finishes(StateNumber state, std::size_t steps);
-  /// Looks for a plan as good as it finds quickly: beam search of growing width, up to `width` states a layer, over the
-  /// steps whose clusters have at most `cluster` parts.
+  /// Looks for a plan as good as it finds quickly: beam search of growing width, up to `width`
+  /// states a layer, over the steps whose clusters have at most `cluster` parts.
   void find_plan(StateNumber start, std::size_t width, std::size_t cluster);
 
   [[nodiscard]] Stop stop() const { return stop_; }

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "orasp/model/error.h"
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/mip/mip_solver.h"
+#include "orasp/model/error.h"
 
 namespace orasp {
 namespace {
@@ -21,8 +21,9 @@ enum class Goal {
   Travel,
 };
 
-/// The program of one problem. States are 0 to `steps`, step t leads from state t - 1 to state t. In the last state all
-/// parts are in the depot. Names count parts, connections and directions from 1.
+/// The program of one problem. States are 0 to `steps`, step t leads from state t - 1 to state t.
+/// In the last state all parts are in the depot. Names count parts, connections and directions
+/// from 1.
 class Builder {
  public:
   Builder(const FleetProblem& fleet, Goal goal, std::size_t steps)
@@ -184,7 +185,8 @@ class Builder {
     }
   }
 
-  /// A connection is there where both its parts are at one site, and never returns; a part without one is in the depot.
+  /// A connection is there where both its parts are at one site, and never returns; a part without
+  /// one is in the depot.
   void add_connections() {
     for (std::size_t t = 1; t < steps_; ++t) {
       for (ConnectionIndex c = 0; c < connections(); ++c) {
@@ -284,7 +286,8 @@ class Builder {
                    static_cast<double>(fleet_.robots()));
   }
 
-  /// A part moves along a direction only if what blocks it there, in its subassembly, moves with it.
+  /// A part moves along a direction only if what blocks it there, in its subassembly, moves with
+  /// it.
   void add_blocking(std::size_t t) {
     for (const PartIndex i : joined_) {
       for (const Blocker& blocker : problem_.blockers()[i]) {
@@ -308,7 +311,8 @@ class Builder {
     }
   }
 
-  /// A subassembly that moves has at most so many parts, so much mass. Single parts are looked at on their own.
+  /// A subassembly that moves has at most so many parts, so much mass. Single parts are looked at
+  /// on their own.
   void add_moved_limits(std::size_t t) {
     const Limits& limits = problem_.limits();
     if (!limits.max_moved_parts && !limits.max_moved_mass) return;
@@ -429,7 +433,8 @@ class Builder {
     }
   }
 
-  /// move_i_p_q_t: part i goes from place p to place q in step t. A path through the places of each part.
+  /// move_i_p_q_t: part i goes from place p to place q in step t. A path through the places of each
+  /// part.
   void add_travel() {
     for (std::size_t t = 1; t <= steps_; ++t) {
       for (const PartIndex i : joined_) {

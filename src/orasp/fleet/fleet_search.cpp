@@ -13,7 +13,8 @@ namespace {
 
 /// States a layer of the widest beam: a few hundredths of a second.
 constexpr std::size_t kBeamWidth = 64;
-/// Parts of a cluster, for the first plan: few enough that every way to take it apart is listed at once.
+/// Parts of a cluster, for the first plan: few enough that every way to take it apart is listed at
+/// once.
 constexpr std::size_t kFirstClusters = 4;
 
 Statistics sum(const Statistics& a, const Statistics& b) {
@@ -41,7 +42,8 @@ FleetResult search(const FleetProblem& fleet, const FleetOptions& options, const
   result.method = "fleet-search";
   result.objective = options.objective;
   result.seed = options.seed;
-  if (options.objective == FleetObjective::Travel && options.steps.value_or(0) > kFleetMaxTravelSteps) {
+  if (options.objective == FleetObjective::Travel &&
+      options.steps.value_or(0) > kFleetMaxTravelSteps) {
     throw InputError("fleet-search: " + std::to_string(*options.steps) +
                      " steps are too many to find the least travel in (at most " +
                      std::to_string(kFleetMaxTravelSteps) + ")");

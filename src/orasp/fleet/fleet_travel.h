@@ -6,30 +6,36 @@
 #include <span>
 #include <vector>
 
-#include "orasp/fleet/fleet_expander.h"
-#include "orasp/task/budget.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/fleet/fleet_expander.h"
 #include "orasp/fleet/fleet_makespan.h"
+#include "orasp/task/budget.h"
 
 namespace orasp {
 
-/// The most steps in which the least travel is looked for. There may be more than parts: a subassembly that goes by way of
-/// nearer sites travels less, since distances are squared.
+/// The most steps in which the least travel is looked for. There may be more than parts: a
+/// subassembly that goes by way of nearer sites travels less, since distances are squared.
 inline constexpr std::size_t kFleetMaxTravelSteps = 500;
 
 /// The least travel in which a fleet takes the product apart within so many steps.
 ///
-/// Problem.    Now it matters where the subassemblies stand: travel is the sum, over all parts and steps, of the squared
-///             distance moved. Sites at the same point are alike, so a state names points, each with room for as many
-///             subassemblies as it has sites. Waiting is of use at the end alone, so it is no step.
-/// Idea.       Depth-first branch and bound with limits that rise (the thresholds of IDA*, Korf 1985), over a table of states with their
-///             steps left, each with a proved lower bound or its exact value (as in Reinefeld and Marsland 1994).
-///             A state of several subassemblies is first bounded by the sum of each alone, which is what most prunes.
-///             States that cannot be finished in time are cut by FleetMakespanSearch.
-/// Bounds.     Hops: each part along the cheapest chain of places to the depot within the steps left; admissible, for that is what a
-///             part pays at least, and consistent. Each subassembly alone: admissible, for a plan of the whole, looked at on one
-///             subassembly, is a plan for that, and travel adds up over parts.
+/// Problem.    Now it matters where the subassemblies stand: travel is the sum, over all parts and
+/// steps, of the squared
+///             distance moved. Sites at the same point are alike, so a state names points, each
+///             with room for as many subassemblies as it has sites. Waiting is of use at the end
+///             alone, so it is no step.
+/// Idea.       Depth-first branch and bound with limits that rise (the thresholds of IDA*, Korf
+/// 1985), over a table of states with their
+///             steps left, each with a proved lower bound or its exact value (as in Reinefeld and
+///             Marsland 1994). A state of several subassemblies is first bounded by the sum of each
+///             alone, which is what most prunes. States that cannot be finished in time are cut by
+///             FleetMakespanSearch.
+/// Bounds.     Hops: each part along the cheapest chain of places to the depot within the steps
+/// left; admissible, for that is what a
+///             part pays at least, and consistent. Each subassembly alone: admissible, for a plan
+///             of the whole, looked at on one subassembly, is a plan for that, and travel adds up
+///             over parts.
 /// Guarantee.  Exact up to kTravelTolerance; a bound, if stopped, is proved.
 /// Cost.       Exponential; the states of FleetMakespanSearch times the ways to place them.
 class FleetTravelSearch {
@@ -48,9 +54,11 @@ class FleetTravelSearch {
   /// Refers to all three. @throws InputError above 255 sites.
   FleetTravelSearch(FleetExpander& expander, FleetMakespanSearch& makespan, const Budget& budget);
 
-  /// Runs to the least travel within `steps`, or to a limit. `makespan` has shown that the product can be finished in them.
+  /// Runs to the least travel within `steps`, or to a limit. `makespan` has shown that the product
+  /// can be finished in them.
   void run(StateNumber start, std::size_t steps);
-  /// A good way to place the plan that `makespan` holds for the start: upper() becomes its travel or less.
+  /// A good way to place the plan that `makespan` holds for the start: upper() becomes its travel
+  /// or less.
   void place_known_plan(StateNumber start);
 
   /// Proved: no plan within the steps travels less, m^2.
@@ -93,10 +101,11 @@ class FleetTravelSearch {
   /// Lists the steps from `node` whose cost and hops afterwards stay within `limit`.
   /// @returns a lower bound on those that do not.
   double list_successors(std::uint32_t node, double limit, std::vector<Successor>& successors);
-  /// The least travel from `node` if that is at most `limit` (then the node is exact), else a bound above it.
+  /// The least travel from `node` if that is at most `limit` (then the node is exact), else a bound
+  /// above it.
   double solve(std::uint32_t node, double limit);
-  /// Looks for a better plan than the best: beam search over placed states, by travel so far and bound, or first by
-  /// how near the end they seem.
+  /// Looks for a better plan than the best: beam search over placed states, by travel so far and
+  /// bound, or first by how near the end they seem.
   enum class Prefer { LittleTravel, NearTheEnd };
   void find_plan(const std::vector<std::uint32_t>& starts, Prefer prefer);
   /// Calls `visit(places)` for every way to place the blocks after those of `placed` that stand.

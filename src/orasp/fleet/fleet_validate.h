@@ -42,8 +42,8 @@ struct FleetEvaluation {
   std::vector<FleetViolation> violations;
 };
 
-/// Replays a plan and reports everything that is wrong with it. Follows the rules as docs/format.md states them, part
-/// by part; shares nothing with fleet_step and FleetExpander, which planners use.
+/// Replays a plan and reports everything that is wrong with it. Follows the rules as docs/format.md
+/// states them, part by part; shares nothing with fleet_step and FleetExpander, which planners use.
 [[nodiscard]] FleetEvaluation evaluate(const FleetProblem& fleet, const FleetPlan& plan);
 
 }  // namespace orasp

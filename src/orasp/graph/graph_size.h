@@ -25,9 +25,9 @@ struct GraphSize {
 };
 
 /// Counts H~ on H without building it: the number of paths to a state is the sum over its
-/// predecessors. Exact: 64-bit integers up to 20 connections (20! < 2^64), 128-bit up to 34 (34! < 2^128), Boost's big integers
-/// beyond; decimal text, since the numbers exceed every machine word (20 connections: 2.4e18
-/// sequences). O(actions).
+/// predecessors. Exact: 64-bit integers up to 20 connections (20! < 2^64), 128-bit up to 34 (34! <
+/// 2^128), Boost's big integers beyond; decimal text, since the numbers exceed every machine word
+/// (20 connections: 2.4e18 sequences). O(actions).
 [[nodiscard]] GraphSize graph_size(const StateGraph& graph);
 
 }  // namespace orasp

@@ -9,11 +9,11 @@
 
 #include <unistd.h>
 
-#include "orasp/model/scenario_generators.h"
 #include "orasp/bounds/bounds.h"
 #include "orasp/containers/parallel.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/containers/subset_rank.h"
+#include "orasp/model/scenario_generators.h"
 
 namespace orasp {
 
@@ -35,17 +35,17 @@ std::size_t shards_for(std::size_t actions) {
 
 }  // namespace
 
-// Each layer is expanded (each thread takes a run of its states and writes down connections and rewards), then its
-// successors are merged into the next layer in one of two ways.
+// Each layer is expanded (each thread takes a run of its states and writes down connections and
+// rewards), then its successors are merged into the next layer in one of two ways.
 //
-// By rank, where the reached states are a fair part of all subsets of their size: a table over the subsets' ranks
-// (detail/subset_rank.h) marks those that occur, is counted through, and translates ranks into numbers. No hashing, and
-// without constraints not even a miss.
+// By rank, where the reached states are a fair part of all subsets of their size: a table over the
+// subsets' ranks (detail/subset_rank.h) marks those that occur, is counted through, and translates
+// ranks into numbers. No hashing, and without constraints not even a miss.
 //
-// By hash elsewhere, in passes that each run in parallel: scatter the successors' keys to one list for each shard;
-// number each shard's keys, in the order of the layer, in a hash table of its own, small enough for the cache; gather
-// the numbers back into the rows. Radix partitioning: Shatdal, Kant, Naughton (1994), VLDB, 510-521.
-// kWords as in StateTable.
+// By hash elsewhere, in passes that each run in parallel: scatter the successors' keys to one list
+// for each shard; number each shard's keys, in the order of the layer, in a hash table of its own,
+// small enough for the cache; gather the numbers back into the rows. Radix partitioning: Shatdal,
+// Kant, Naughton (1994), VLDB, 510-521. kWords as in StateTable.
 template <std::size_t kWords>
 class StateGraphBuilder {
  public:
@@ -128,8 +128,8 @@ class StateGraphBuilder {
     graph_.rewards_.shrink_to_fit();
   }
 
-  // Where H cannot become large, room for all of it at once: pages are only taken when they are touched, and an array
-  // that never moves is served with huge ones.
+  // Where H cannot become large, room for all of it at once: pages are only taken when they are
+  // touched, and an array that never moves is served with huge ones.
   void reserve_address_space() {
     const std::size_t steps = graph_.system_->num_steps();
     if (steps > 24) return;
@@ -508,8 +508,9 @@ double graph_bytes(const TransitionSystem& system, double states, double actions
   return states * (key + 8 + 8) + actions * 7 + widest_layer_actions * (key + 11);
 }
 
-/// False where a state of a disassembly can be seen not to occur: a connection is gone before one that it comes after,
-/// or there are too many subassemblies. In assembly such states are reached (and are dead ends).
+/// False where a state of a disassembly can be seen not to occur: a connection is gone before one
+/// that it comes after, or there are too many subassemblies. In assembly such states are reached
+/// (and are dead ends).
 bool breaks_no_rule(const TransitionSystem& system, SetView open) {
   const Problem& problem = system.problem();
   if (problem.direction() == Direction::Assembly) return true;
@@ -657,8 +658,8 @@ GraphEstimate estimate_graph(const TransitionSystem& system) {
 
 namespace {
 
-/// An estimate of a size that does not fit; empty if it does. `slack`: how far an estimate by sampling may exceed what
-/// is allowed.
+/// An estimate of a size that does not fit; empty if it does. `slack`: how far an estimate by
+/// sampling may exceed what is allowed.
 std::optional<GraphEstimate> too_large(const TransitionSystem& system, double allowed,
                                        double slack) {
   // Constraints only take states away: where all subsets fit there is nothing to estimate.

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "orasp/model/transition_system.h"
-#include "orasp/task/budget.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/reward_column.h"
+#include "orasp/model/transition_system.h"
+#include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
@@ -41,7 +41,8 @@ using ActionId = std::uint64_t;
 ///     const TransitionSystem system(problem);
 ///     const StateGraph graph = StateGraph::build(system, budget);
 ///     if (graph.stop() == Stop::None) use(graph.num_states());
-///     for (ActionId a = graph.begin(0); a < graph.end(0); ++a) use(graph.successor(a), graph.reward(a));
+///     for (ActionId a = graph.begin(0); a < graph.end(0); ++a) use(graph.successor(a),
+///     graph.reward(a));
 class StateGraph {
  public:
   /// Builds H; ends early when the budget does (then stop() says why and only whole layers are
@@ -54,11 +55,12 @@ class StateGraph {
     Differs,  ///< other connections, another start, or in some state other legal actions
     Stopped,  ///< by the budget
   };
-  /// Gives each action what it earns under `system`, which must outlive the graph from then on: another objective,
-  /// other durations or masses, on the same states and actions. Every state is expanded again, and its actions are
-  /// compared, so a difference (masses under max_moved_mass, say) is found for certain; but nothing is hashed, sorted or
-  /// merged. O(states * (parts + connections)), parallel; any number of threads gives the same bytes. Unless Done, the
-  /// graph stays as it was. Only for a graph that is whole.
+  /// Gives each action what it earns under `system`, which must outlive the graph from then on:
+  /// another objective, other durations or masses, on the same states and actions. Every state is
+  /// expanded again, and its actions are compared, so a difference (masses under max_moved_mass,
+  /// say) is found for certain; but nothing is hashed, sorted or merged. O(states * (parts +
+  /// connections)), parallel; any number of threads gives the same bytes. Unless Done, the graph
+  /// stays as it was. Only for a graph that is whole.
   /// @throws InputError as Expander::legal_actions, and leaves the graph as it was.
   [[nodiscard]] Reweighed reweigh(const TransitionSystem& system, const Budget& budget);
 
@@ -133,7 +135,8 @@ struct GraphEstimate {
 /// Whether the problem states no constraint, so that every subset of the connections is a state.
 [[nodiscard]] bool unconstrained(const TransitionSystem& system);
 
-/// The size that H would have if nothing were constrained: 2^connections states. Constraints only take states away.
+/// The size that H would have if nothing were constrained: 2^connections states. Constraints only
+/// take states away.
 [[nodiscard]] GraphEstimate estimate_without_constraints(const TransitionSystem& system);
 
 /// Memory that planners may take under `budget`: its max_bytes, and in any case not more than 80 %
@@ -143,10 +146,10 @@ struct GraphEstimate {
 /// Whether H is estimated to fit in allowed_bytes(budget).
 [[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);
 
-/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget) (a sampled estimate
-/// may exceed it twofold: the limit still ends the build); the sentence gives the estimate and the methods that
-/// do not build H. `method` is the one refused; `other_bytes`, if not 0, is what a table of all subsets would take, to
-/// be named too.
+/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget)
+/// (a sampled estimate may exceed it twofold: the limit still ends the build); the sentence gives
+/// the estimate and the methods that do not build H. `method` is the one refused; `other_bytes`, if
+/// not 0, is what a table of all subsets would take, to be named too.
 void require_graph_fits(const TransitionSystem& system, const Budget& budget,
                         const std::string& method, double other_bytes = 0);
 

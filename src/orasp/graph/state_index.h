@@ -12,13 +12,15 @@ namespace orasp {
 
 /// Finds a state of a StateGraph by what is open in it.
 ///
-/// Idea.       Open addressing over 4-byte numbers that point at the graph's own states; linear probing, at most half
+/// Idea.       Open addressing over 4-byte numbers that point at the graph's own states; linear
+/// probing, at most half
 ///             full. The states are different from each other, so filling it compares nothing.
 /// Guarantee.  find() is exact, and may be called by many threads at once.
 /// Cost.       O(states) to make, O(words of a state) expected to find.
 /// Held.       8 to 16 bytes a state.
 ///
-/// Reads the graph's states where they lie: they must outlive it (a graph may be moved, and reweighed, meanwhile).
+/// Reads the graph's states where they lie: they must outlive it (a graph may be moved, and
+/// reweighed, meanwhile).
 ///
 ///     const StateIndex index(graph);
 ///     if (const auto state = index.find(open)) use(graph.begin(*state), graph.end(*state));
@@ -26,7 +28,8 @@ class StateIndex {
  public:
   explicit StateIndex(const StateGraph& graph);
 
-  /// The state in which just `open` is open (as many words as a state of the graph has); nothing if there is none.
+  /// The state in which just `open` is open (as many words as a state of the graph has); nothing if
+  /// there is none.
   [[nodiscard]] std::optional<StateId> find(SetView open) const;
 
   [[nodiscard]] std::uint64_t bytes() const { return slots_.bytes(); }

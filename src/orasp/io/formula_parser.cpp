@@ -74,18 +74,12 @@ std::string explained(const mu::ParserBase& parser, const std::string& text,
     case mu::ecUNASSIGNABLE_TOKEN:
       if (position < text.size()) return unknown_token(parser, text, position);
       break;
-    case mu::ecUNEXPECTED_EOF:
-      return "the formula ends too early";
-    case mu::ecMISSING_PARENS:
-      return "a closing parenthesis is missing";
-    case mu::ecMISSING_ELSE_CLAUSE:
-      return R"(a "?" has no ":")";
-    case mu::ecMISPLACED_COLON:
-      return R"(a ":" has no "?")";
-    case mu::ecUNEXPECTED_CONDITIONAL:
-      return R"(a "?" or ":" follows no value)";
-    default:
-      break;
+    case mu::ecUNEXPECTED_EOF: return "the formula ends too early";
+    case mu::ecMISSING_PARENS: return "a closing parenthesis is missing";
+    case mu::ecMISSING_ELSE_CLAUSE: return R"(a "?" has no ":")";
+    case mu::ecMISPLACED_COLON: return R"(a ":" has no "?")";
+    case mu::ecUNEXPECTED_CONDITIONAL: return R"(a "?" or ":" follows no value)";
+    default: break;
   }
   std::string message = error.GetMsg();
   for (const std::string_view place : {" found at position", " found at expression position",

@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "orasp/explain/plan_order.h"
 #include "orasp/io/detail/json_document.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/validate.h"
-#include "orasp/explain/plan_order.h"
 
 namespace orasp {
 namespace {
@@ -87,7 +87,8 @@ std::string order_text(const std::vector<OrderedPair>& pairs) {
   return text + "]";
 }
 
-/// Decimal digits as a number, or past 2^53, which not every reader of JSON holds exactly, as a string.
+/// Decimal digits as a number, or past 2^53, which not every reader of JSON holds exactly, as a
+/// string.
 std::string exact_integer(const std::string& digits) {
   constexpr std::string_view kLargest = "9007199254740992";
   const bool fits =
@@ -100,7 +101,8 @@ std::string most_likely_text(const Expectation& expectation,
   std::string attempts;
   for (const auto& [connection, succeeds] : expectation.most_likely) {
     attempts += attempts.empty() ? "" : ", ";
-    attempts += fmt::format(R"({{"connection": {}, "succeeds": {}}})", connection_ids[connection], succeeds);
+    attempts += fmt::format(R"({{"connection": {}, "succeeds": {}}})", connection_ids[connection],
+                            succeeds);
   }
   return fmt::format(R"({{"probability": {}, "attempts": [{}]}})",
                      inline_text(number_or_null(expectation.probability)), attempts);
@@ -244,7 +246,7 @@ std::string plan_text(const TransitionSystem& system, const Result& result,
   // A bound and a reward are sums of the same numbers in another order: what rounding did to them
   // is not a gap.
   // Where attempts may fail, the reward is an expectation, which no replay gives.
-  const double reward = !result.has_plan()    ? -std::numeric_limits<double>::infinity()
+  const double reward = !result.has_plan()   ? -std::numeric_limits<double>::infinity()
                         : result.expectation ? result.reward
                                              : evaluation.reward;
   std::optional<double> bound = result.bound;

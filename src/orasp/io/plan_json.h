@@ -5,22 +5,23 @@
 #include <string_view>
 #include <vector>
 
+#include "orasp/explain/alternatives.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/transition_system.h"
-#include "orasp/explain/alternatives.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
 
-/// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the sequence by
-/// evaluate() of the model, not taken from the planner. `options` are the caller's settings that shaped the result,
-/// name to value, already JSON texts. `order` is what of the plan's order matters (explain/plan_order.h). `alternatives`: what else is known of the best
+/// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the
+/// sequence by evaluate() of the model, not taken from the planner. `options` are the caller's
+/// settings that shaped the result, name to value, already JSON texts. `order` is what of the
+/// plan's order matters (explain/plan_order.h). `alternatives`: what else is known of the best
 /// plans, if asked for. Ends with a newline.
 [[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
                                     const std::map<std::string, std::string>& options,
                                     const Alternatives* alternatives = nullptr);
-/// The same for what is left of the work: the steps still to come, and no `order` unless it is the whole. `more`: further
-/// members, name to JSON text.
+/// The same for what is left of the work: the steps still to come, and no `order` unless it is the
+/// whole. `more`: further members, name to JSON text.
 [[nodiscard]] std::string plan_text(const TransitionSystem& system, const Result& result,
                                     const std::map<std::string, std::string>& options,
                                     const Alternatives* alternatives,
@@ -32,9 +33,9 @@ struct PlanFile {
   std::string problem_digest;  ///< empty where the file is a bare list
 };
 
-/// Reads a plan file, a JSON array of connection ids, or plain text with one id a line (empty lines and lines that
-/// begin with '#' are skipped). `direction` picks the list: "disassembly" or "assembly". A bare list is in the order
-/// of the problem's direction. @throws InputError.
+/// Reads a plan file, a JSON array of connection ids, or plain text with one id a line (empty lines
+/// and lines that begin with '#' are skipped). `direction` picks the list: "disassembly" or
+/// "assembly". A bare list is in the order of the problem's direction. @throws InputError.
 [[nodiscard]] PlanFile parse_plan(std::string_view text, Direction direction);
 
 }  // namespace orasp

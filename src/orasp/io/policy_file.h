@@ -17,7 +17,8 @@ struct PolicyFile {
 /// The bytes of a policy file: one line of JSON, the numbers as float32, and a checksum of it all.
 [[nodiscard]] std::string policy_bytes(const PolicyFile& file);
 
-/// @throws InputError for bytes that are no policy, damaged, cut off, or of sizes that do not fit together.
+/// @throws InputError for bytes that are no policy, damaged, cut off, or of sizes that do not fit
+/// together.
 [[nodiscard]] PolicyFile parse_policy(std::string_view bytes);
 
 }  // namespace orasp

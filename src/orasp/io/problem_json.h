@@ -9,27 +9,34 @@
 namespace orasp {
 
 /// Reads a problem in the format `orasp-problem/1` (docs/format.md).
-/// @throws InputError with one sentence for the first fault: where JSON is malformed its line and column; unknown keys,
-///         wrong types and missing keys with their place ("connections[3].parts"); then as Problem's constructor.
+/// @throws InputError with one sentence for the first fault: where JSON is malformed its line and
+/// column; unknown keys,
+///         wrong types and missing keys with their place ("connections[3].parts"); then as
+///         Problem's constructor.
 [[nodiscard]] Problem parse_problem(std::string_view json);
 
-/// Reads a file. @throws InputError naming the file if it cannot be read, is a directory or is larger than 256 MiB.
+/// Reads a file. @throws InputError naming the file if it cannot be read, is a directory or is
+/// larger than 256 MiB.
 [[nodiscard]] Problem read_problem(const std::filesystem::path& file);
 
-/// The problem as a file: two-space indent, one part, connection or constraint a line, defaults left out (but for the
-/// objective's type). Notes and `x-` keys inside of objects are not kept. Reading it back gives the same digest.
+/// The problem as a file: two-space indent, one part, connection or constraint a line, defaults
+/// left out (but for the objective's type). Notes and `x-` keys inside of objects are not kept.
+/// Reading it back gives the same digest.
 /// @throws InputError for a `callable` objective, which has no text.
 [[nodiscard]] std::string problem_text(const Problem& problem);
 
-/// SHA-256 (64 hex digits) of the canonical problem, which docs/format.md writes out: what planning depends on, every
-/// default written; names, notes and sources left out. Two files that differ only in layout, notes, spelled-out
-/// defaults or the order of constraints have one digest. Of a `callable` objective only the name counts.
+/// SHA-256 (64 hex digits) of the canonical problem, which docs/format.md writes out: what planning
+/// depends on, every default written; names, notes and sources left out. Two files that differ only
+/// in layout, notes, spelled-out defaults or the order of constraints have one digest. Of a
+/// `callable` objective only the name counts.
 [[nodiscard]] std::string problem_digest(const Problem& problem);
 
-/// Reads one objective: a JSON object as in a problem file. `place` stands in front of error messages.
+/// Reads one objective: a JSON object as in a problem file. `place` stands in front of error
+/// messages.
 [[nodiscard]] Objective parse_objective(std::string_view json, const std::string& place);
 
-/// One objective as a JSON object on one line, as in a problem file, defaults left out. Of a `callable` only its name.
+/// One objective as a JSON object on one line, as in a problem file, defaults left out. Of a
+/// `callable` only its name.
 [[nodiscard]] std::string objective_text(const Objective& objective);
 
 }  // namespace orasp

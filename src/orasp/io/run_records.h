@@ -15,11 +15,13 @@ struct LearningPoint {
   std::optional<double> bound;        ///< what no plan exceeds
 };
 
-/// Reads a training log: JSON objects, one a line; empty lines are skipped. Keys that are not needed are passed over.
+/// Reads a training log: JSON objects, one a line; empty lines are skipped. Keys that are not
+/// needed are passed over.
 /// @throws InputError naming the line.
 [[nodiscard]] std::vector<LearningPoint> parse_training_log(std::string_view text);
 
-/// The rewards in what `orasp sample --json` prints (key "rewards"), or in a plain JSON array of numbers.
+/// The rewards in what `orasp sample --json` prints (key "rewards"), or in a plain JSON array of
+/// numbers.
 /// @throws InputError naming the place.
 [[nodiscard]] std::vector<double> parse_sample(std::string_view text);
 

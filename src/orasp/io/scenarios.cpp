@@ -103,8 +103,7 @@ std::string summary(const Problem& problem) {
   if (problem.directions() != 0) text += ", blocking";
   if (limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass)
     text += ", limits";
-  if (problem.spec().fleet)
-    text += fmt::format(", {} robots", problem.spec().fleet->robots);
+  if (problem.spec().fleet) text += fmt::format(", {} robots", problem.spec().fleet->robots);
   return text;
 }
 

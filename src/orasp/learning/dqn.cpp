@@ -11,8 +11,8 @@
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
 #include "orasp/model/scenario_generators.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/planners/greedy.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
@@ -276,7 +276,8 @@ class Trainer {
     return done >= 1 ? n : 1 + static_cast<std::size_t>(done * static_cast<double>(n));
   }
 
-  /// One round of episodes, from start to end, all remembered. The first acts greedily unless all are random.
+  /// One round of episodes, from start to end, all remembered. The first acts greedily unless all
+  /// are random.
   void play(bool all_random) {
     const double share = all_random ? 1 : epsilon();
     const std::size_t from = begin_at();

@@ -8,16 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "orasp/learning/policy.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
-#include "orasp/learning/policy.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
 
 class ReplayBuffer;
 
-/// How to train; docs/learning.md says what each part brings. The defaults in the first half are the paper's.
+/// How to train; docs/learning.md says what each part brings. The defaults in the first half are
+/// the paper's.
 struct DqnOptions {
   std::uint64_t seed = 1;
   /// 0: 5,000, and 20,000 from 128 connections on.
@@ -37,15 +38,16 @@ struct DqnOptions {
   /// How much of the network the target network takes over at each gradient step.
   double target_rate = 0.01;
   double gradient_clip = 100;
-  /// Share of the training in which episodes act at random until few connections are left, ever more of them.
+  /// Share of the training in which episodes act at random until few connections are left, ever
+  /// more of them.
   double curriculum = 0.5;
   /// auto, cpu, cuda.
   std::string device = "auto";
 
   // ---- Beyond the paper.
 
-  /// Episodes side by side that explore; one more acts without random actions, to see what the network earns. 0: 7, and 31
-  /// from 128 connections on.
+  /// Episodes side by side that explore; one more acts without random actions, to see what the
+  /// network earns. 0: 7, and 31 from 128 connections on.
   std::size_t environments = 0;
   /// Gradient steps for each step of all episodes.
   std::uint64_t updates_per_step = 1;
@@ -53,7 +55,8 @@ struct DqnOptions {
   bool double_q = true;
   /// Rewards that a target takes from its episode before it trusts the network; 0: all.
   std::size_t n_step = 5;
-  /// A target is never below what its episode earned: in a deterministic world that can be had again.
+  /// A target is never below what its episode earned: in a deterministic world that can be had
+  /// again.
   bool returns = true;
   /// Share of each batch that is drawn from the best episode.
   double imitation = 0.1;
@@ -97,24 +100,25 @@ struct TrainingHooks {
   double save_every = 30;                          ///< s
 };
 
-/// What train() learns the network towards, for steps of a replay buffer. A class of its own so that it can be tested on
-/// numbers worked out by hand.
+/// What train() learns the network towards, for steps of a replay buffer. A class of its own so
+/// that it can be tested on numbers worked out by hand.
 class TargetRule {
  public:
   TargetRule(const DqnOptions& options, double scale, std::vector<double> baseline);
 
-  /// What the network's number for an action in a state with `open` connections stands for, in units of reward, and
-  /// back: number * scale + baseline.
+  /// What the network's number for an action in a state with `open` connections stands for, in
+  /// units of reward, and back: number * scale + baseline.
   [[nodiscard]] double value_of(double number, std::size_t open) const;
   [[nodiscard]] double number_of(double value, std::size_t open) const;
   /// The value of a state with connections left and no legal action: worse than anything seen.
   [[nodiscard]] double dead_end(std::size_t open) const;
 
-  /// The step at which the network is asked for the rest of step `place`; none if the episode itself says it.
+  /// The step at which the network is asked for the rest of step `place`; none if the episode
+  /// itself says it.
   [[nodiscard]] std::optional<std::size_t> asked(const ReplayBuffer& replay,
                                                  std::size_t place) const;
-  /// The network's target for step `place`. `online` and `target`: both networks' numbers in the state of the step
-  /// asked(), shape [connections]; not looked at where there is none.
+  /// The network's target for step `place`. `online` and `target`: both networks' numbers in the
+  /// state of the step asked(), shape [connections]; not looked at where there is none.
   [[nodiscard]] float target(const ReplayBuffer& replay, std::size_t place,
                              std::span<const float> online, std::span<const float> target) const;
 
@@ -129,19 +133,26 @@ class TargetRule {
 
 /// Deep Q-learning.
 ///
-/// Idea.       A network estimates Q(s, a), what handling a in s and the best steps after it earn. Rounds of episodes,
-///             played side by side with some random actions, fill a replay buffer; gradient steps move the network
-///             towards the rewards seen plus the value of the state reached. Only legal actions are chosen, and only
-///             legal ones enter that value: every constraint is kept by construction.
-/// Reference.  The paper, "Reinforcement learning methods"; Mnih et al. (2015), Nature 518, 529-533; double Q: van
-///             Hasselt, Guez and Silver (2016), AAAI, 2094-2100; several steps: Sutton (1988), Machine Learning 3, 9-44;
-///             returns as lower bounds: He, Liu, Schwing and Peng (2017), ICLR; curriculum: the paper.
-/// Guarantee.  Every plan is legal. None of optimality from learning; Optimal where the plan earns an upper bound
+/// Idea.       A network estimates Q(s, a), what handling a in s and the best steps after it earn.
+/// Rounds of episodes,
+///             played side by side with some random actions, fill a replay buffer; gradient steps
+///             move the network towards the rewards seen plus the value of the state reached. Only
+///             legal actions are chosen, and only legal ones enter that value: every constraint is
+///             kept by construction.
+/// Reference.  The paper, "Reinforcement learning methods"; Mnih et al. (2015), Nature 518,
+/// 529-533; double Q: van
+///             Hasselt, Guez and Silver (2016), AAAI, 2094-2100; several steps: Sutton (1988),
+///             Machine Learning 3, 9-44; returns as lower bounds: He, Liu, Schwing and Peng (2017),
+///             ICLR; curriculum: the paper.
+/// Guarantee.  Every plan is legal. None of optimality from learning; Optimal where the plan earns
+/// an upper bound
 ///             (BoundKind::Best), Infeasible only by the search for a first plan.
-/// Cost.       updates_per_step gradient steps for each step of a round, and a pass of the network for each state met.
-/// Repeatable. The same seed gives the same run on the same machine and libraries, time limits aside.
+/// Cost.       updates_per_step gradient steps for each step of a round, and a pass of the network
+/// for each state met. Repeatable. The same seed gives the same run on the same machine and
+/// libraries, time limits aside.
 ///
-/// @throws InputError if the module with the network is missing (network_available()), or for a value that makes no sense.
+/// @throws InputError if the module with the network is missing (network_available()), or for a
+/// value that makes no sense.
 [[nodiscard]] Training train(const TransitionSystem& system, const DqnOptions& options,
                              const Budget& budget, const TrainingHooks& hooks = {},
                              const TrainedPolicy* resume = nullptr);

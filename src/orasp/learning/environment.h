@@ -12,12 +12,14 @@ namespace orasp {
 /// Writes the paper's indicator vector of a state, shape [connections]: 1 where open, else 0.
 void indicate(SetView open, std::span<float> indicator);
 
-/// The problem as a learner sees it: several episodes side by side, each a state that steps change. Everything legal and
-/// earned comes from the TransitionSystem; this only keeps the episodes.
+/// The problem as a learner sees it: several episodes side by side, each a state that steps change.
+/// Everything legal and earned comes from the TransitionSystem; this only keeps the episodes.
 ///
-/// Reference. The paper's Markov decision process; the interface is that of Gymnasium's vectorised environments (Towers et
+/// Reference. The paper's Markov decision process; the interface is that of Gymnasium's vectorised
+/// environments (Towers et
 ///            al. 2024, arXiv:2407.17032).
-/// Cost.      The actions of all episodes that moved are worked out together, when the first is asked for: as
+/// Cost.      The actions of all episodes that moved are worked out together, when the first is
+/// asked for: as
 ///            Expander::for_each_expansion. Memory: O(episodes * connections).
 ///
 ///     Environment world(system, 32);
@@ -41,14 +43,16 @@ class Environment {
   /// Open connections.
   [[nodiscard]] SetView open(std::size_t episode) const;
   [[nodiscard]] std::size_t num_open(std::size_t episode) const { return open_counts_[episode]; }
-  /// The legal actions that are not forbidden, ascending by connection; valid until the next step or reset.
+  /// The legal actions that are not forbidden, ascending by connection; valid until the next step
+  /// or reset.
   [[nodiscard]] std::span<const Action> actions(std::size_t episode);
   /// The same as a mask, shape [connections]: 1 where legal, else 0.
   void mask(std::size_t episode, std::span<float> mask);
   /// The paper's indicator vector of open connections, shape [connections]: 1 where open, else 0.
   void observe(std::size_t episode, std::span<float> observation) const;
 
-  /// Handles a connection. @returns what the step earns. @throws InputError if it is not among actions(episode).
+  /// Handles a connection. @returns what the step earns. @throws InputError if it is not among
+  /// actions(episode).
   double step(std::size_t episode, ConnectionIndex connection);
   /// Rewards of the episode's steps so far.
   [[nodiscard]] double total(std::size_t episode) const { return totals_[episode]; }

@@ -1,5 +1,6 @@
-// The network on libtorch: the whole of the module orasp_torch.so, and the only file that includes libtorch (18 s to
-// compile). One function is found by name: orasp_make_network_1. It uses headers of the library, none of its code.
+// The network on libtorch: the whole of the module orasp_torch.so, and the only file that includes
+// libtorch (18 s to compile). One function is found by name: orasp_make_network_1. It uses headers
+// of the library, none of its code.
 
 #include "orasp/learning/network.h"
 

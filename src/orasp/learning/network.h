@@ -25,14 +25,17 @@ struct NetworkOptions {
   std::string device = "auto";  ///< auto (cuda where there is one), cpu, cuda
 };
 
-/// A network that is trained, and its slow copy, the target network. Rows of `states` are indicator vectors of open
-/// connections; all matrices are row-major.
+/// A network that is trained, and its slow copy, the target network. Rows of `states` are indicator
+/// vectors of open connections; all matrices are row-major.
 ///
-/// Reference. The paper's network: fully connected, ReLU; smooth L1 loss; AdamW with amsgrad (Loshchilov and Hutter 2019,
-///            ICLR; Reddi et al. 2018, ICLR), weight decay 0.01; target network by averaging (Lillicrap et al. 2016, ICLR).
+/// Reference. The paper's network: fully connected, ReLU; smooth L1 loss; AdamW with amsgrad
+/// (Loshchilov and Hutter 2019,
+///            ICLR; Reddi et al. 2018, ICLR), weight decay 0.01; target network by averaging
+///            (Lillicrap et al. 2016, ICLR).
 /// Repeatable. One thread; the same seed gives the same numbers on the same machine and libraries.
 ///
-/// Lives in a module of its own, which is loaded when the first network is made: libtorch takes 0.6 s to load.
+/// Lives in a module of its own, which is loaded when the first network is made: libtorch takes 0.6
+/// s to load.
 class Network {
  public:
   Network() = default;
@@ -43,8 +46,8 @@ class Network {
   /// Shapes: states [batch, connections], values [batch, connections].
   virtual void values(std::span<const float> states, std::span<float> values) = 0;
   virtual void target_values(std::span<const float> states, std::span<float> values) = 0;
-  /// One gradient step towards values(states[i])[actions[i]] = targets[i], and one of the target network.
-  /// Shapes: states [batch, connections], actions [batch], targets [batch].
+  /// One gradient step towards values(states[i])[actions[i]] = targets[i], and one of the target
+  /// network. Shapes: states [batch, connections], actions [batch], targets [batch].
   /// @returns the mean smooth L1 loss of the batch before the step.
   virtual double learn(std::span<const float> states, std::span<const std::int64_t> actions,
                        std::span<const float> targets) = 0;
@@ -59,11 +62,12 @@ class Network {
   [[nodiscard]] virtual std::string warning() const = 0;
 };
 
-/// Whether the module is there. It is looked for beside the program, in the folder above, in ../lib/orasp and where this
-/// library was to be installed.
+/// Whether the module is there. It is looked for beside the program, in the folder above, in
+/// ../lib/orasp and where this library was to be installed.
 [[nodiscard]] bool network_available();
 
-/// @throws InputError if the module is missing or cannot be loaded, with how to get it; or for an unknown or missing device.
+/// @throws InputError if the module is missing or cannot be loaded, with how to get it; or for an
+/// unknown or missing device.
 [[nodiscard]] std::unique_ptr<Network> make_network(const NetworkOptions& options);
 
 }  // namespace orasp

@@ -1,9 +1,10 @@
-// Finds and loads the module that holds the network: the only place that knows of it. No libtorch here.
+// Finds and loads the module that holds the network: the only place that knows of it. No libtorch
+// here.
 
 #include <cstdlib>
 
-#include "orasp/learning/network.h"
 #include "orasp/containers/module_loader.h"
+#include "orasp/learning/network.h"
 
 namespace orasp {
 

@@ -11,8 +11,8 @@ namespace orasp {
 
 namespace {
 
-/// out += factor * row. Compiled for several processors; the same numbers on each, since every element is on its own and
-/// nothing is fused.
+/// out += factor * row. Compiled for several processors; the same numbers on each, since every
+/// element is on its own and nothing is fused.
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 __attribute__((target_clones("avx2", "default")))
 #endif

@@ -20,10 +20,11 @@ struct DenseLayer {
   std::vector<float> bias;     ///< shape [outputs]
 };
 
-/// What training leaves: a network that says for each open connection what handling it next is worth, as plain weights.
+/// What training leaves: a network that says for each open connection what handling it next is
+/// worth, as plain weights.
 ///
-/// In: the paper's indicator vector of the open connections, shape [connections]. Between layers: max(0, x). Out: one
-/// number a connection, shape [connections]; an action's worth is
+/// In: the paper's indicator vector of the open connections, shape [connections]. Between layers:
+/// max(0, x). Out: one number a connection, shape [connections]; an action's worth is
 ///
 ///     scale * out[c] + (adds_reward ? r(s, c) : 0)
 ///
@@ -40,7 +41,8 @@ struct Policy {
 };
 [[nodiscard]] bool operator==(const DenseLayer&, const DenseLayer&);
 
-/// All that a later training needs to go on where one stopped, but for its replay buffer, which fills again.
+/// All that a later training needs to go on where one stopped, but for its replay buffer, which
+/// fills again.
 struct TrainingState {
   std::uint64_t episodes = 0;
   std::uint64_t steps = 0;
@@ -64,20 +66,21 @@ struct TrainedPolicy {
   TrainingState training;
 };
 
-/// Asks a policy. Holds scratch memory: one for each thread. The same numbers on every machine: each output is summed in
-/// one order, without fused operations.
+/// Asks a policy. Holds scratch memory: one for each thread. The same numbers on every machine:
+/// each output is summed in one order, without fused operations.
 class PolicyEvaluator {
  public:
   /// The policy must outlive it.
   explicit PolicyEvaluator(const Policy& policy);
 
-  /// The network's outputs in a state, shape [connections]; valid until the next call. O(weights), less what the open
-  /// connections and the units at 0 save: about a microsecond at two layers of 128 and 19 connections.
+  /// The network's outputs in a state, shape [connections]; valid until the next call. O(weights),
+  /// less what the open connections and the units at 0 save: about a microsecond at two layers of
+  /// 128 and 19 connections.
   [[nodiscard]] std::span<const float> outputs(SetView open);
   /// What each action is worth, in units of reward.
   void values(SetView open, std::span<const Action> actions, std::span<double> values);
-  /// The place in `actions` of the one worth most; of several the first. `actions` must not be empty: leave out of it
-  /// what is forbidden, and the policy answers for the rest.
+  /// The place in `actions` of the one worth most; of several the first. `actions` must not be
+  /// empty: leave out of it what is forbidden, and the policy answers for the rest.
   [[nodiscard]] std::size_t choose(SetView open, std::span<const Action> actions);
 
  private:
@@ -87,12 +90,15 @@ class PolicyEvaluator {
   std::vector<double> values_;
 };
 
-/// The plan that a policy makes: in every state the legal action that it values most. From `from` (else the
-/// start) until only `forbidden` is left, which is never handled.
+/// The plan that a policy makes: in every state the legal action that it values most. From `from`
+/// (else the start) until only `forbidden` is left, which is never handled.
 ///
-/// Guarantee.  A plan if there is one (Feasible); Infeasible only after everything was tried: at a dead end it goes back
-///             one step and takes the next best. Optimal where the plan earns an upper bound (BoundKind::Best).
-/// Cost.       One pass of the network for each state met; without dead ends one for each connection.
+/// Guarantee.  A plan if there is one (Feasible); Infeasible only after everything was tried: at a
+/// dead end it goes back
+///             one step and takes the next best. Optimal where the plan earns an upper bound
+///             (BoundKind::Best).
+/// Cost.       One pass of the network for each state met; without dead ends one for each
+/// connection.
 /// @throws InputError if the policy is for another number of connections.
 [[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
                                    const Budget& budget);

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "orasp/model/scenario_generators.h"
 #include "orasp/containers/growing_array.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/model/scenario_generators.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

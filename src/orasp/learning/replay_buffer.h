@@ -14,7 +14,8 @@ namespace orasp {
 /// What a learner remembers: the steps of past episodes, the oldest overwritten first.
 ///
 /// Reference. Lin (1992), Machine Learning 8, 293-321; Mnih et al. (2015), Nature 518, 529-533.
-/// Cost.      bytes_per_step(connections) each: the state, and the rewards of its legal actions, which are its mask too.
+/// Cost.      bytes_per_step(connections) each: the state, and the rewards of its legal actions,
+/// which are its mask too.
 class ReplayBuffer {
  public:
   /// One step of an episode that is over.
@@ -39,7 +40,8 @@ class ReplayBuffer {
   class Episode {
    public:
     explicit Episode(std::size_t connections) : connections_(connections) {}
-    /// A step: its state, the state's legal actions, and which of them was taken (its place among them).
+    /// A step: its state, the state's legal actions, and which of them was taken (its place among
+    /// them).
     void push(SetView open, std::span<const Action> actions, std::size_t taken);
     void clear();
 

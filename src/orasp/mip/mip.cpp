@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "orasp/planners/planner_support.h"
 #include "orasp/mip/mip_solver.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
@@ -38,8 +38,8 @@ bool is_indexed(const Objective& objective) {
   return std::holds_alternative<Indexed>(objective.parameters);
 }
 
-/// The program of one problem. Steps are those of disassembly, t = 1 to n; after step t the state t is reached, state 0
-/// is the first. Names count from 1.
+/// The program of one problem. Steps are those of disassembly, t = 1 to n; after step t the state t
+/// is reached, state 0 is the first. Names count from 1.
 class Builder {
  public:
   explicit Builder(const TransitionSystem& system)
@@ -82,7 +82,8 @@ class Builder {
   static constexpr std::size_t kNoPiece = static_cast<std::size_t>(-1);
 
   // -------------------------------------------------------------------------------------------------------------------
-  // The structure: what is there at the start and at the end, and which removals can or must separate.
+  // The structure: what is there at the start and at the end, and which removals can or must
+  // separate.
 
   void find_connections() {
     const ConnectionSet none(problem_.num_connections());
@@ -188,7 +189,8 @@ class Builder {
     const double gain = expander.greatest_gain(a, b);
     if (std::isfinite(gain)) return gain;
     throw InputError("objective: the reward of a cut into " + std::to_string(a) + " and " +
-                     std::to_string(b) + " parts is not finite, and mip needs all rewards in advance");
+                     std::to_string(b) +
+                     " parts is not finite, and mip needs all rewards in advance");
   }
 
   [[nodiscard]] Situation situation() const {
@@ -391,7 +393,8 @@ class Builder {
     }
   }
 
-  /// What only keeps leaves a path between its parts: one unit flows from the first to the second over what is there.
+  /// What only keeps leaves a path between its parts: one unit flows from the first to the second
+  /// over what is there.
   void add_paths() {
     std::vector<ConnectionIndex> kept;
     for (const ConnectionIndex c : removable_) {
@@ -444,7 +447,8 @@ class Builder {
     return masses;
   }
 
-  /// The number of pieces of k parts in state t, of those that were parts of a subassembly at the start.
+  /// The number of pieces of k parts in state t, of those that were parts of a subassembly at the
+  /// start.
   [[nodiscard]] MipSum number_of(std::size_t k, std::size_t t) const {
     MipSum sum;
     if (t == 0 || t == n_) {
@@ -516,7 +520,8 @@ class Builder {
   }
 
   // -------------------------------------------------------------------------------------------------------------------
-  // Sides: which parts a cut has on the side of its connection's first part and on that of its second.
+  // Sides: which parts a cut has on the side of its connection's first part and on that of its
+  // second.
 
   void add_sides() {
     const bool uniform = std::ranges::all_of(problem_.parts(), [&](const Part& part) {
@@ -562,7 +567,8 @@ class Builder {
     return member;
   }
 
-  /// A step that separates has a direction in which no part of the first side is blocked by one of the second.
+  /// A step that separates has a direction in which no part of the first side is blocked by one of
+  /// the second.
   void add_blocking(const std::array<std::map<PartIndex, MipColumn>, 2>& roots, std::size_t t) {
     std::array<std::map<PartIndex, MipColumn>, 2> member;
     const auto is_on = [&](std::size_t side, PartIndex i) {
@@ -595,7 +601,8 @@ class Builder {
     }
   }
 
-  /// One of the sides is moved: one with the fewer parts. On a tie either may be, so the lighter where that is needed.
+  /// One of the sides is moved: one with the fewer parts. On a tie either may be, so the lighter
+  /// where that is needed.
   void add_mass(const std::array<std::map<PartIndex, MipColumn>, 2>& roots, std::size_t t) {
     std::map<PartIndex, MipColumn> moved;
     MipSum one = MipSum().add(separates(t), -1);

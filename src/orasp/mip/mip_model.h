@@ -43,11 +43,13 @@ struct MipSum {
   }
 };
 
-/// A mixed integer program, whoever solves it: minimise `objective` plus a constant over columns between bounds, some of
-/// them whole numbers, under linear rows. Sparse: rows stand one after another in compressed form.
+/// A mixed integer program, whoever solves it: minimise `objective` plus a constant over columns
+/// between bounds, some of them whole numbers, under linear rows. Sparse: rows stand one after
+/// another in compressed form.
 ///
-/// Names are letters, digits and '_', begin with a letter other than e, and are unique where their makers make them so:
-/// such names are legal in both file formats (io/mip_file.h). A value; owns all it holds.
+/// Names are letters, digits and '_', begin with a letter other than e, and are unique where their
+/// makers make them so: such names are legal in both file formats (io/mip_file.h). A value; owns
+/// all it holds.
 class MipModel {
  public:
   struct Column {
@@ -71,8 +73,8 @@ class MipModel {
   void add_constant(double value) { constant_ += value; }
   void fix(MipColumn column, double value);
 
-  /// Demands sum <, = or > right. Terms of the same column are added up, those of 0 left out. A row without terms that is
-  /// true is not kept; one that is false makes the model infeasible.
+  /// Demands sum <, = or > right. Terms of the same column are added up, those of 0 left out. A row
+  /// without terms that is true is not kept; one that is false makes the model infeasible.
   void add_row(std::string name, const MipSum& sum, MipSense sense, double right);
 
   [[nodiscard]] std::size_t num_columns() const { return columns_.size(); }
@@ -82,7 +84,8 @@ class MipModel {
   [[nodiscard]] double constant() const { return constant_; }
   [[nodiscard]] const std::vector<Column>& columns() const { return columns_; }
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-  /// Compressed rows: row r has the terms begins()[r] to begins()[r + 1] of columns_of() and values(), by ascending column.
+  /// Compressed rows: row r has the terms begins()[r] to begins()[r + 1] of columns_of() and
+  /// values(), by ascending column.
   [[nodiscard]] const std::vector<std::size_t>& begins() const { return begins_; }
   [[nodiscard]] const std::vector<MipColumn>& columns_of() const { return columns_of_; }
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
@@ -95,7 +98,8 @@ class MipModel {
   [[nodiscard]] std::uint64_t bytes() const;
   /// The objective of these values of all columns.
   [[nodiscard]] double objective_of(std::span<const double> values) const;
-  /// The first row, bound or whole number that these values break by more than `tolerance`; empty if none is broken.
+  /// The first row, bound or whole number that these values break by more than `tolerance`; empty
+  /// if none is broken.
   [[nodiscard]] std::string broken_by(std::span<const double> values, double tolerance) const;
 
  private:

@@ -12,7 +12,8 @@
 
 namespace orasp {
 
-/// What a solver tells while it works. Values are those of the model's objective, its constant included.
+/// What a solver tells while it works. Values are those of the model's objective, its constant
+/// included.
 struct MipProgress {
   std::uint64_t nodes = 0;
   double best = std::numeric_limits<double>::infinity();    ///< of the best solution so far
@@ -39,20 +40,24 @@ struct MipSolution {
 
 struct MipSettings {
   std::optional<double> seconds;  ///< for parts of the work in which the watcher is not asked
-  /// Asked a few times a second, and at every better solution; says why to stop, Stop::None to go on. May be empty.
+  /// Asked a few times a second, and at every better solution; says why to stop, Stop::None to go
+  /// on. May be empty.
   std::function<Stop(const MipProgress&)> watcher;
 };
 
 /// Branch and cut for a MipModel by CBC, on one thread.
 ///
-/// Reference.  Forrest and Lougee-Heimer (2005), CBC User Guide, INFORMS; Land and Doig (1960), Econometrica 28, 497-520.
-/// Guarantee.  Exact within the solver's tolerances: rows hold to 1e-7, whole numbers to 1e-6, and a better solution may
-///             be missed by less than 1e-7 of the greatest term of the objective. Values of whole columns are rounded.
-/// Threads.    One model at a time in a process: CBC is not made for more. A second waits, and may be stopped meanwhile.
-/// Repeatable. The same model gives the same answer on the same machine and library, unless it is stopped.
+/// Reference.  Forrest and Lougee-Heimer (2005), CBC User Guide, INFORMS; Land and Doig (1960),
+/// Econometrica 28, 497-520. Guarantee.  Exact within the solver's tolerances: rows hold to 1e-7,
+/// whole numbers to 1e-6, and a better solution may
+///             be missed by less than 1e-7 of the greatest term of the objective. Values of whole
+///             columns are rounded.
+/// Threads.    One model at a time in a process: CBC is not made for more. A second waits, and may
+/// be stopped meanwhile. Repeatable. The same model gives the same answer on the same machine and
+/// library, unless it is stopped.
 ///
-/// Lives in a module of its own, which is loaded when the first model is solved: linked in, it would slow every start of
-/// the program.
+/// Lives in a module of its own, which is loaded when the first model is solved: linked in, it
+/// would slow every start of the program.
 class MipSolver {
  public:
   MipSolver() = default;
@@ -62,8 +67,8 @@ class MipSolver {
   [[nodiscard]] virtual MipSolution solve(const MipModel& model, const MipSettings& settings) = 0;
 };
 
-/// Whether the module is there. It is looked for beside the program, in the folder above, in ../lib/orasp and where this
-/// library was to be installed.
+/// Whether the module is there. It is looked for beside the program, in the folder above, in
+/// ../lib/orasp and where this library was to be installed.
 [[nodiscard]] bool mip_solver_available();
 
 /// @throws InputError if the module is missing or cannot be loaded, with how to get it.

@@ -1,5 +1,5 @@
-// CBC: the whole of the module orasp_cbc.so, and the only file that includes it. One function is found by name:
-// orasp_make_mip_solver_1. It uses headers of the library, none of its code.
+// CBC: the whole of the module orasp_cbc.so, and the only file that includes it. One function is
+// found by name: orasp_make_mip_solver_1. It uses headers of the library, none of its code.
 
 #include <algorithm>
 #include <array>
@@ -25,8 +25,8 @@ namespace orasp {
 
 namespace {
 
-/// Where the greatest term of the objective is outside of these, the objective is scaled by a power of two until it is
-/// between 1 and 2: CBC's tolerances are absolute.
+/// Where the greatest term of the objective is outside of these, the objective is scaled by a power
+/// of two until it is between 1 and 2: CBC's tolerances are absolute.
 constexpr double kLeastObjective = 0.5;
 constexpr double kGreatestObjective = 1000;
 /// A solution counts as better if it is so by this part of the greatest term.
@@ -62,7 +62,8 @@ class SearchEvents final : public CbcEventHandler {
 
   CbcAction event(CbcEvent which) override {
     bool better = false;
-    // The models of CBC's own heuristics are smaller problems: their values say nothing of the whole.
+    // The models of CBC's own heuristics are smaller problems: their values say nothing of the
+    // whole.
     if (model_ != nullptr && model_->parentModel() == nullptr) {
       MipProgress& progress = watch_->progress;
       progress.nodes = std::max(progress.nodes, static_cast<std::uint64_t>(model_->getNodeCount()));
@@ -189,8 +190,8 @@ class CbcMipSolver final : public MipSolver {
   }
 
  private:
-  /// CBC's solver program, with its presolve, cuts and heuristics: a bare CbcModel is quicker by milliseconds on the
-  /// smallest models and by far slower on all others.
+  /// CBC's solver program, with its presolve, cuts and heuristics: a bare CbcModel is quicker by
+  /// milliseconds on the smallest models and by far slower on all others.
   static void run(CbcModel& search, const MipSettings& settings, double increment) {
     CbcSolverUsefulData data;
     data.useSignalHandler_ = false;
@@ -199,16 +200,15 @@ class CbcMipSolver final : public MipSolver {
     search.setLogLevel(0);
     std::vector<std::string> words = {"orasp", "-log", "0", "-timeMode", "elapsed"};
     if (increment > 0) words.insert(words.end(), {"-increment", number_text(increment)});
-    if (settings.seconds)
-      words.insert(words.end(), {"-seconds", number_text(*settings.seconds)});
+    if (settings.seconds) words.insert(words.end(), {"-seconds", number_text(*settings.seconds)});
     words.insert(words.end(), {"-solve", "-quit"});
     std::vector<const char*> arguments;
     for (const std::string& word : words) arguments.push_back(word.c_str());
     CbcMain1(static_cast<int>(arguments.size()), arguments.data(), search, no_callback, data);
   }
 
-  /// What CBC's two status words mean. After a stop nothing is taken for proved: a simplex that was interrupted looks
-  /// infeasible.
+  /// What CBC's two status words mean. After a stop nothing is taken for proved: a simplex that was
+  /// interrupted looks infeasible.
   static void judge(const CbcModel& search, const Watch& watch, MipSolution& answer) {
     using Status = MipSolution::Status;
     const bool has_solution = !answer.values.empty();

@@ -31,8 +31,7 @@ using SetView = std::span<const std::uint64_t>;
 
 [[nodiscard]] inline std::size_t count(SetView set) {
   std::size_t total = 0;
-  for (const std::uint64_t word : set)
-    total += static_cast<std::size_t>(std::popcount(word));
+  for (const std::uint64_t word : set) total += static_cast<std::size_t>(std::popcount(word));
   return total;
 }
 
@@ -60,8 +59,7 @@ class ConnectionSet {
   ConnectionSet() = default;
   /// The empty set over connections 0 .. universe - 1.
   explicit ConnectionSet(std::size_t universe) : universe_(universe) {
-    if (words() > 1)
-      many_ = std::make_unique<std::uint64_t[]>(words());
+    if (words() > 1) many_ = std::make_unique<std::uint64_t[]>(words());
   }
   /// The set whose words are `view`.
   ConnectionSet(std::size_t universe, SetView view) : ConnectionSet(universe) {
@@ -71,8 +69,7 @@ class ConnectionSet {
   /// All of 0 .. universe - 1.
   [[nodiscard]] static ConnectionSet all(std::size_t universe) {
     ConnectionSet set(universe);
-    for (std::size_t c = 0; c < universe; ++c)
-      set.insert(static_cast<ConnectionIndex>(c));
+    for (std::size_t c = 0; c < universe; ++c) set.insert(static_cast<ConnectionIndex>(c));
     return set;
   }
 
@@ -81,8 +78,7 @@ class ConnectionSet {
   }
   ConnectionSet(ConnectionSet&& other) noexcept = default;
   ConnectionSet& operator=(const ConnectionSet& other) {
-    if (this != &other)
-      *this = ConnectionSet(other);
+    if (this != &other) *this = ConnectionSet(other);
     return *this;
   }
   ConnectionSet& operator=(ConnectionSet&& other) noexcept = default;
@@ -137,8 +133,7 @@ class ConnectionSet {
 
 [[nodiscard]] inline std::uint64_t hash_value(SetView set) {
   std::uint64_t hash = 0;
-  for (const std::uint64_t word : set)
-    hash = mixed(hash ^ word) + 0x9e3779b97f4a7c15ULL;
+  for (const std::uint64_t word : set) hash = mixed(hash ^ word) + 0x9e3779b97f4a7c15ULL;
   return hash;
 }
 

@@ -25,7 +25,8 @@ struct Part {
   std::optional<Vector3> position;  ///< m
 };
 
-/// What an attempt that fails does beyond costing its reward. Nothing stated: nothing, it is tried again.
+/// What an attempt that fails does beyond costing its reward. Nothing stated: nothing, it is tried
+/// again.
 struct OnFailure {
   std::vector<std::string> breaks;  ///< ids of connections that come off too; disassembly alone
   std::optional<double> abort;      ///< the job ends, and the attempt earns this instead
@@ -70,8 +71,8 @@ struct Limits {
   std::optional<double> max_moved_mass;  ///< kg
 };
 
-/// Robots, depot and sites of a fleet problem (fleet/fleet.h). Kept, written and digested with the problem; the
-/// planners for one robot do not use it.
+/// Robots, depot and sites of a fleet problem (fleet/fleet.h). Kept, written and digested with the
+/// problem; the planners for one robot do not use it.
 struct Fleet {
   std::size_t robots = 1;
   std::array<double, 2> depot{};

@@ -40,8 +40,7 @@ class SplitMix64 {
     const std::uint64_t threshold = (0 - bound) % bound;
     while (true) {
       const std::uint64_t draw = next();
-      if (draw >= threshold)
-        return draw % bound;
+      if (draw >= threshold) return draw % bound;
     }
   }
   /// Uniform in [0, 1).

@@ -6,9 +6,9 @@
 
 namespace orasp {
 
-/// Where the work stands and what stands in its way: a problem met again in the middle. Like the states of
-/// TransitionSystem its sets mean the same thing in both directions: open connections are those still to be handled
-/// (disassembly: still present; assembly: still missing).
+/// Where the work stands and what stands in its way: a problem met again in the middle. Like the
+/// states of TransitionSystem its sets mean the same thing in both directions: open connections are
+/// those still to be handled (disassembly: still present; assembly: still missing).
 ///
 ///     Situation now = Situation::whole(problem.num_connections());
 ///     now.open.erase(problem.find_connection("1-2", ""));          // done
@@ -16,11 +16,12 @@ namespace orasp {
 ///     const TransitionSystem system(problem, now);                 // the problem that is left
 struct Situation {
   ConnectionSet open;  ///< not handled yet, inaccessible ones among them
-  /// Never handled from now on; those not open are passed over. The goal is that everything else is done, and the step
-  /// that reaches it completes.
+  /// Never handled from now on; those not open are passed over. The goal is that everything else is
+  /// done, and the step that reaches it completes.
   ConnectionSet inaccessible;
   ConnectionSet not_next;  ///< cannot be the next step, but may be a later one
-  /// Handled only in states in which nothing else is legal: connections of a part that arrives late.
+  /// Handled only in states in which nothing else is legal: connections of a part that arrives
+  /// late.
   ConnectionSet late;
 
   [[nodiscard]] static Situation whole(std::size_t connections) {

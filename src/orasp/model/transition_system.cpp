@@ -67,13 +67,14 @@ struct Expander::Scratch {
 
   std::vector<Action> actions;
   std::vector<std::unique_ptr<Formula>> formulas;  ///< by term
-  /// By term, for formulas of sizes alone: values met so far, NaN before; at ((moved + kept)^2 / 4 + moved) * 2 + completes.
+  /// By term, for formulas of sizes alone: values met so far, NaN before; at ((moved + kept)^2 / 4
+  /// + moved) * 2 + completes.
   mutable std::vector<std::vector<double>> tables;
   std::vector<std::uint64_t> present_words;  ///< where what is there differs from the open set
   std::vector<std::uint64_t> present_batch;  ///< the same for several states
   detail::Connectivity connectivity;
-  Side
-      a;  ///< parts of A and B of the step at hand; set by whoever makes its Facts, if rules.needs_sides
+  Side a;  ///< parts of A and B of the step at hand; set by whoever makes its Facts, if
+           ///< rules.needs_sides
   Side b;
   std::vector<unsigned char> mark;  ///< by part; all 0 between uses
   std::vector<PartIndex> fill_a;
@@ -201,8 +202,8 @@ Facts Expander::Scratch::joining_facts(ConnectionIndex c, std::size_t num_open) 
   return facts;
 }
 
-// One step on its own, by definition: take the connection away and see what hangs together. Shares nothing with the
-// analysis of all steps at once; the checker and the explanations use it.
+// One step on its own, by definition: take the connection away and see what hangs together. Shares
+// nothing with the analysis of all steps at once; the checker and the explanations use it.
 Facts Expander::Scratch::flooded_facts(SetView open, ConnectionIndex c) {
   Facts facts = counts(c, count(open));
   const SetView there = present(open);
@@ -696,7 +697,8 @@ std::optional<double> Expander::cut_gain(std::span<const PartIndex> a, std::span
   facts.b_parts = static_cast<std::uint32_t>(b.size());
   s.a = {{a, {}}};
   s.b = {{b, {}}};
-  // How many subassemblies there are is not the piece's own matter: facts.subassemblies_apart is 0 here.
+  // How many subassemblies there are is not the piece's own matter: facts.subassemblies_apart is 0
+  // here.
   if (s.rules.cuts_checked && !s.separation_legal(facts)) return std::nullopt;
   return s.reward(facts) - own;
 }
@@ -864,7 +866,8 @@ Violation TransitionSystem::waits_in_vain(ConnectionIndex connection, Connection
 
 std::optional<Violation> TransitionSystem::infeasibility() const {
   const Rules& rules = *rules_;
-  // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and what it ends with.
+  // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and
+  // what it ends with.
   const ConnectionSet none(num_connections());
   const ConnectionSet first = present(rules.assembly ? none.view() : start().view());
   const ConnectionSet last = present(rules.assembly ? start().view() : none.view());
@@ -878,9 +881,9 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
                      {}};
   }
   // Precedence alone, in disassembly order: remove whatever may go until nothing more may. The
-  // clauses are monotone, so if connections are left, each of them waits for another that stays, and
-  // following these ends in a cycle, or at one that is kept. Every clause is looked at again only
-  // when a connection that it names goes.
+  // clauses are monotone, so if connections are left, each of them waits for another that stays,
+  // and following these ends in a cycle, or at one that is kept. Every clause is looked at again
+  // only when a connection that it names goes.
   std::vector<bool> stays(num_connections());
   for (ConnectionIndex c = 0; c < num_connections(); ++c) stays[c] = first.contains(c);
   std::vector<std::vector<ConnectionIndex>> waiting(num_connections());

@@ -86,8 +86,9 @@ inline constexpr double kRelativeTolerance = 1e-9;
 /// is the full set, an action takes one connection out, the goal is the empty set, and every path
 /// has as many steps as the start has open connections: no planner needs to know the direction.
 ///
-/// A Situation makes it the problem that is left in the middle of the work: the start is what is open and accessible
-/// then, what is inaccessible stays as it is for ever and is part of no state. No planner needs to know that either.
+/// A Situation makes it the problem that is left in the middle of the work: the start is what is
+/// open and accessible then, what is inaccessible stays as it is for ever and is part of no state.
+/// No planner needs to know that either.
 ///
 /// Immutable and shareable between threads. Keeps a reference to the problem, which must outlive
 /// it. For work, each thread makes its own Expander.
@@ -95,7 +96,8 @@ class TransitionSystem {
  public:
   /// @throws InputError if an expression of the objective cannot be compiled.
   explicit TransitionSystem(const Problem& problem);
-  /// @throws InputError as above, and where a set of `situation` is not over the problem's connections.
+  /// @throws InputError as above, and where a set of `situation` is not over the problem's
+  /// connections.
   TransitionSystem(const Problem& problem, const Situation& situation);
   ~TransitionSystem();
   TransitionSystem(const TransitionSystem&) = delete;
@@ -108,7 +110,8 @@ class TransitionSystem {
   [[nodiscard]] const ConnectionSet& start() const;
   /// Connections open at the start: the steps of every plan.
   [[nodiscard]] std::size_t num_steps() const { return num_steps_; }
-  /// Whether the start is all connections and nothing but the problem's own constraints judges steps.
+  /// Whether the start is all connections and nothing but the problem's own constraints judges
+  /// steps.
   [[nodiscard]] bool whole() const;
   /// Whether something cannot be next or is late.
   [[nodiscard]] bool ordered() const;
@@ -128,18 +131,22 @@ class TransitionSystem {
   [[nodiscard]] RewardRange reward_range(ConnectionIndex connection, std::size_t open,
                                          bool completes) const;
 
-  /// Whether a step's reward is its connection's own (Expander::own_reward) and, where it separates, a gain that depends
-  /// on nothing but A, B, the connection and whether it completes: not on what else is there or was done before. Then
-  /// pieces of the product can be planned for one by one.
+  /// Whether a step's reward is its connection's own (Expander::own_reward) and, where it
+  /// separates, a gain that depends on nothing but A, B, the connection and whether it completes:
+  /// not on what else is there or was done before. Then pieces of the product can be planned for
+  /// one by one.
   [[nodiscard]] bool sees_piece_only() const;
-  /// Whether that gain depends on the sizes of A and B alone; and whether it depends on the connection.
+  /// Whether that gain depends on the sizes of A and B alone; and whether it depends on the
+  /// connection.
   [[nodiscard]] bool gain_by_sizes() const;
   [[nodiscard]] bool gain_by_connection() const;
 
-  /// Whether a step's reward depends on nothing but the sizes of A and B and on whether it completes.
+  /// Whether a step's reward depends on nothing but the sizes of A and B and on whether it
+  /// completes.
   [[nodiscard]] bool sees_sizes_only() const;
-  /// If so: the most that a step earns which cuts a piece into a and b parts (0 and 0: it separates nothing). Exact but
-  /// for `cubesat_zone`, where a whole starting piece of fewer than four parts may earn less.
+  /// If so: the most that a step earns which cuts a piece into a and b parts (0 and 0: it separates
+  /// nothing). Exact but for `cubesat_zone`, where a whole starting piece of fewer than four parts
+  /// may earn less.
   [[nodiscard]] double greatest_size_reward(std::size_t a, std::size_t b, bool completes) const;
 
   /// Pieces with two or more parts among the connections of `present` (not `open`).
@@ -183,8 +190,8 @@ class Expander {
   /// @throws InputError if an expression or a callable yields a reward that is not finite.
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
 
-  /// The same for many states, which stand one after another: calls visit(i, legal actions of state i). Quicker than
-  /// one by one where several can be analysed at once.
+  /// The same for many states, which stand one after another: calls visit(i, legal actions of state
+  /// i). Quicker than one by one where several can be analysed at once.
   template <class Visit>
   void for_each_expansion(std::span<const std::uint64_t> states, Visit&& visit) {
     const std::size_t words = system_.words();
@@ -201,7 +208,8 @@ class Expander {
   /// connections).
   [[nodiscard]] Step step(SetView open, ConnectionIndex connection);
 
-  /// What the step earns that handles `connection` when it is the last one of all, whatever else is open.
+  /// What the step earns that handles `connection` when it is the last one of all, whatever else is
+  /// open.
   [[nodiscard]] double completing_reward(SetView open, ConnectionIndex connection);
 
   /// Whether handling `connection` is legal; false if it is not open. O(parts + connections).
@@ -211,9 +219,10 @@ class Expander {
   /// connections).
   [[nodiscard]] std::vector<Violation> violations(SetView open, ConnectionIndex connection);
 
-  /// The directions in which A can leave B where handling `connection`, which must be open, separates or joins the two;
-  /// those of the problem's blocking that are left. Nothing where the step cuts nothing or the problem has no blocking.
-  /// B can leave A along their opposites. O(parts + connections).
+  /// The directions in which A can leave B where handling `connection`, which must be open,
+  /// separates or joins the two; those of the problem's blocking that are left. Nothing where the
+  /// step cuts nothing or the problem has no blocking. B can leave A along their opposites. O(parts
+  /// + connections).
   [[nodiscard]] DirectionMask free_directions(SetView open, ConnectionIndex connection);
 
   // Pieces on their own, in disassembly, for objectives with TransitionSystem::sees_piece_only().
@@ -221,16 +230,17 @@ class Expander {
   /// What handling `connection` earns when it separates nothing and does not complete.
   /// @throws InputError as legal_actions.
   [[nodiscard]] double own_reward(ConnectionIndex connection);
-  /// What removing `connection` earns beyond own_reward when it cuts a piece into `a`, which holds its first part, and
-  /// `b`, without completing; nothing where max_moved_parts, max_moved_mass or blocking forbid the cut. O(parts of the
-  /// piece), or O(1) where only sizes matter.
+  /// What removing `connection` earns beyond own_reward when it cuts a piece into `a`, which holds
+  /// its first part, and `b`, without completing; nothing where max_moved_parts, max_moved_mass or
+  /// blocking forbid the cut. O(parts of the piece), or O(1) where only sizes matter.
   [[nodiscard]] std::optional<double> cut_gain(std::span<const PartIndex> a,
                                                std::span<const PartIndex> b,
                                                ConnectionIndex connection);
-  /// The most that a cut gains whose moved piece has `moved` parts and whose other has `kept`, whatever they are;
-  /// infinite where that is not known. Exact where gain_by_sizes().
+  /// The most that a cut gains whose moved piece has `moved` parts and whose other has `kept`,
+  /// whatever they are; infinite where that is not known. Exact where gain_by_sizes().
   [[nodiscard]] double greatest_gain(std::size_t moved, std::size_t kept);
-  /// The most that a cut gains that moves just these parts, whatever from; infinite where that is not known.
+  /// The most that a cut gains that moves just these parts, whatever from; infinite where that is
+  /// not known.
   [[nodiscard]] double greatest_gain_of_moving(std::span<const PartIndex> moved);
   /// Whether that only falls as parts are added.
   [[nodiscard]] bool moving_more_costs_more() const;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "orasp/containers/growing_array.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 

@@ -11,14 +11,14 @@
 #include <utility>
 #include <vector>
 
-#include "orasp/model/detail/connectivity.h"
-#include "orasp/model/scenario_generators.h"
 #include "orasp/bounds/bounds.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/parallel.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/model/scenario_generators.h"
 #include "orasp/planners/greedy.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
@@ -80,8 +80,9 @@ struct World {
   detail::AssemblyGraph graph;
 };
 
-/// By part, the part above it in a spanning forest, or kNoPart. With a seed: depth first in a random order, so that the
-/// trees are long paths with short branches, which can be cut into halves nearly anywhere.
+/// By part, the part above it in a spanning forest, or kNoPart. With a seed: depth first in a
+/// random order, so that the trees are long paths with short branches, which can be cut into halves
+/// nearly anywhere.
 constexpr std::uint32_t kNoPart = std::numeric_limits<std::uint32_t>::max();
 struct Rooted {
   std::vector<std::uint32_t> parent;
@@ -136,8 +137,8 @@ class Search {
  public:
   using Set = PartSet<kWords>;
 
-  /// Looks at all cuts; with a seed only at those along a random spanning forest (in a forest these are all): few, so the
-  /// best of them are found even where all are too many.
+  /// Looks at all cuts; with a seed only at those along a random spanning forest (in a forest these
+  /// are all): few, so the best of them are found even where all are too many.
   Search(const World& world, std::uint64_t forest_seed, const Budget& budget, Result& result)
       : problem_(world.system.problem()),
         expander_(world.system),
@@ -188,8 +189,8 @@ class Search {
                             for (const PartIndex part : piece) set.insert(part);
                             pieces.push_back(set);
                           });
-    // The pieces that wait take from what is allowed to the one at hand. Which order is best is left open where it
-    // matters: then the bound takes for each the most that any order allows.
+    // The pieces that wait take from what is allowed to the one at hand. Which order is best is
+    // left open where it matters: then the bound takes for each the most that any order allows.
     std::size_t allowed = problem_.limits().max_subassemblies.value_or(kMostAllowed);
     allowed = std::min(allowed, kMostAllowed);
     double most = 0;
@@ -212,12 +213,13 @@ class Search {
     return result_.stop == Stop::None && !gave_up_;
   }
 
-  /// Carries the cut trees out as legal steps; empty where that leads nowhere. `dive`: where a piece is not solved take the
-  /// cut that promises most.
+  /// Carries the cut trees out as legal steps; empty where that leads nowhere. `dive`: where a
+  /// piece is not solved take the cut that promises most.
   std::vector<ConnectionIndex> sequence(bool dive);
 
-  /// Looks for a good plan that takes small sides off each piece, one after the other: of the rests of each size the
-  /// `width` that have lost least are kept. What is cut off is solved exactly. The next sequence() follows what it finds.
+  /// Looks for a good plan that takes small sides off each piece, one after the other: of the rests
+  /// of each size the `width` that have lost least are kept. What is cut off is solved exactly. The
+  /// next sequence() follows what it finds.
   void peel(std::size_t width);
 
  private:
@@ -241,7 +243,8 @@ class Search {
     list.clear();
     set.for_each([&](std::size_t part) { list.push_back(static_cast<PartIndex>(part)); });
   }
-  /// What `connection` gains as the last between `side` and the rest, which stand in side_list_ and rest_list_.
+  /// What `connection` gains as the last between `side` and the rest, which stand in side_list_ and
+  /// rest_list_.
   [[nodiscard]] std::optional<double> listed_gain(const Set& side, ConnectionIndex connection) {
     return side.contains(problem_.ends(connection)[0])
                ? expander_.cut_gain(side_list_, rest_list_, connection)
@@ -295,8 +298,8 @@ class Search {
     parts_scale_ = scale;
     double limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity;
     double step = slack(scale);
-    // A dive that goes wrong high up tries every way to fail further down: so each try ends after a while, and the next
-    // takes equal cuts in another order. What was proved stays.
+    // A dive that goes wrong high up tries every way to fail further down: so each try ends after a
+    // while, and the next takes equal cuts in another order. What was proved stays.
     std::uint64_t patience = 64 * parts;
     salt_ = 0;
     while (true) {
@@ -319,15 +322,16 @@ class Search {
     }
   }
 
-  /// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more than sizes tell.
+  /// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more
+  /// than sizes tell.
   double first_loss(const Set& piece, std::size_t parts) {
     if (!gains_.sizes_known() || parts < 3) return unknown_loss();
     const double most = gains_.by_arms(parts, arms(piece));
     return std::max(0.0, upper(piece, parts) - most - slack(parts_scale_));
   }
 
-  /// The most components that a piece falls into without one of its parts. Reference: articulation points by depth-first
-  /// search, Hopcroft and Tarjan (1973), Comm. ACM 16(6), 372-378.
+  /// The most components that a piece falls into without one of its parts. Reference: articulation
+  /// points by depth-first search, Hopcroft and Tarjan (1973), Comm. ACM 16(6), 372-378.
   std::size_t arms(const Set& piece) {
     std::size_t most = 1;
     if (graph_.is_forest()) {
@@ -376,7 +380,8 @@ class Search {
     return most;
   }
 
-  /// The least loss of a piece where it is within `limit`; otherwise a lower bound on it, above `limit`.
+  /// The least loss of a piece where it is within `limit`; otherwise a lower bound on it, above
+  /// `limit`.
   double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit) {
     if (parts == 1) return 0;
     if (allowed == 0) return kInfinity;
@@ -428,7 +433,8 @@ class Search {
       const std::size_t one_allowed = side_first ? side_allowed : rest_allowed;
       const std::size_t other_allowed = side_first ? rest_allowed : side_allowed;
       double other_loss = known_loss(other, parts - one_parts, other_allowed);
-      // A loss above the limit it was asked for is a lower bound only, however the sums are rounded.
+      // A loss above the limit it was asked for is a lower bound only, however the sums are
+      // rounded.
       const double one_limit = most - cut.own_loss - other_loss;
       const double one_loss = search(one, one_parts, one_allowed, one_limit);
       bool solved = one_loss <= one_limit;
@@ -459,7 +465,8 @@ class Search {
     return loss_[number];
   }
 
-  /// Appends the legal cuts of `piece` whose estimate is within `limit`, and returns the least estimate of the others.
+  /// Appends the legal cuts of `piece` whose estimate is within `limit`, and returns the least
+  /// estimate of the others.
   double list_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit) {
     const double here = upper(piece, parts);
     double skipped = kInfinity;
@@ -519,9 +526,9 @@ class Search {
     return skipped;
   }
 
-  /// Calls offer(side, parts) for every connected side of a wanted size, of at most half of the piece, whose rest is
-  /// connected. Reference for listing connected sets once each: Wernicke (2006), IEEE/ACM Trans. Computational Biology
-  /// and Bioinformatics 3(4), 347-359.
+  /// Calls offer(side, parts) for every connected side of a wanted size, of at most half of the
+  /// piece, whose rest is connected. Reference for listing connected sets once each: Wernicke
+  /// (2006), IEEE/ACM Trans. Computational Biology and Bioinformatics 3(4), 347-359.
   template <class Offer>
   void list_sides(const Set& piece, std::size_t parts, std::size_t largest, Offer&& offer) {
     Set excluded;
@@ -606,8 +613,8 @@ class Search {
     return best;
   }
 
-  // Before the last connection between the two sides goes, all that precedence asks for between them is gone, and each
-  // side must hang together without it.
+  // Before the last connection between the two sides goes, all that precedence asks for between
+  // them is gone, and each side must hang together without it.
   bool may_precede(const Set& side, const Set& rest) {
     gone_.assign(problem_.num_connections(), 0);
     bool any = false;
@@ -693,8 +700,8 @@ class Search {
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
-  bool
-      bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and may be negative
+  bool bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and
+                  ///< may be negative
   bool by_sizes_;
   bool by_connection_;
   bool limited_;
@@ -799,7 +806,8 @@ void Search<kWords>::peel(std::size_t width) {
   peeling_ = false;
 }
 
-/// The cut that a plan makes to a piece: the one that peel() found, or the best; nothing where none is known.
+/// The cut that a plan makes to a piece: the one that peel() found, or the best; nothing where none
+/// is known.
 template <std::size_t kWords>
 auto Search<kWords>::next_cut(const Set& piece, std::size_t parts, std::size_t allowed, bool dive)
     -> std::optional<Cut> {
@@ -828,8 +836,9 @@ auto Search<kWords>::next_cut(const Set& piece, std::size_t parts, std::size_t a
   return *chosen;
 }
 
-/// The steps of the cut trees, one piece after the other, a side that waits last. What a cut needs: every connection
-/// between the sides, and what precedence asks for before them; all but the last separate nothing.
+/// The steps of the cut trees, one piece after the other, a side that waits last. What a cut needs:
+/// every connection between the sides, and what precedence asks for before them; all but the last
+/// separate nothing.
 template <std::size_t kWords>
 std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
   struct Task {
@@ -849,7 +858,8 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     steps.push_back(c);
     return true;
   };
-  // Which connection of all is best left to the end: one that joins two parts, or one of a part to itself.
+  // Which connection of all is best left to the end: one that joins two parts, or one of a part to
+  // itself.
   double best_last = -kInfinity;
   for (ConnectionIndex c = 0; c < connections; ++c)
     best_last = std::max(best_last, expander_.completion_surplus(c));
@@ -868,7 +878,8 @@ std::vector<ConnectionIndex> Search<kWords>::sequence(bool dive) {
     const Cut cut = *next;
     const Set rest = task.piece - cut.side;
     const bool both = limited_ && cut.side.size() >= 2 && rest.size() >= 2;
-    // Connections between the sides with what they need first, by repeated passes; the best one to separate last.
+    // Connections between the sides with what they need first, by repeated passes; the best one to
+    // separate last.
     needed.clear();
     gone_.assign(connections, 0);
     for (ConnectionIndex c = 0; c < connections; ++c) {
@@ -945,8 +956,8 @@ void add_effort(Statistics& sum, const Statistics& part) {
   sum.peak_bytes = std::max(sum.peak_bytes, part.peak_bytes);
 }
 
-/// A look at all cuts, which often is enough; where they are too many, plans along random spanning forests; and so on in
-/// turn, each time for longer.
+/// A look at all cuts, which often is enough; where they are too many, plans along random spanning
+/// forests; and so on in turn, each time for longer.
 template <std::size_t kWords>
 Result planned(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
   // Of the first round: some tenths of a second at any size.
@@ -1060,7 +1071,8 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
              : words <= 8 ? planned<8>(system, options, budget)
                           : planned<16>(system, options, budget);
   } catch (const InputError&) {
-    // A formula without a value for a cut that no plan may ever make: what follows meets it if one does.
+    // A formula without a value for a cut that no plan may ever make: what follows meets it if one
+    // does.
   }
   if (!result.has_plan() && result.status != Status::Infeasible) {
     // The cut tree could not be carried out, or there was no time for one.

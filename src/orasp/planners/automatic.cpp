@@ -7,13 +7,13 @@
 #include <string>
 #include <utility>
 
+#include "orasp/bounds/bounds.h"
+#include "orasp/graph/state_graph.h"
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
-#include "orasp/bounds/bounds.h"
 #include "orasp/planners/dense_value_iteration.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/planners/greedy.h"
-#include "orasp/graph/state_graph.h"
+#include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
 
 namespace orasp {
@@ -34,14 +34,16 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
   return estimate.actions <= kAutomaticMostActions && estimate.bytes <= allowed;
 }
 
-/// After so many turns all subsets of the connections are gone through, where there is memory and time for that.
+/// After so many turns all subsets of the connections are gone through, where there is memory and
+/// time for that.
 constexpr std::uint64_t kTurnsBeforeDense = 3;
 
 double seconds_left(const Budget& budget) {
   return std::chrono::duration<double>(*budget.deadline - Budget::Clock::now()).count();
 }
 
-/// About how long dense value iteration takes, on the safe side (docs/performance.md: 14 to 28 ns an action).
+/// About how long dense value iteration takes, on the safe side (docs/performance.md: 14 to 28 ns
+/// an action).
 double dense_seconds(const TransitionSystem& system, const Budget& budget) {
   constexpr double kSecondsPerAction = 4e-8;
   const auto connections = static_cast<double>(system.num_connections());
@@ -85,8 +87,7 @@ class Findings {
 
   [[nodiscard]] const Result& best() const { return best_; }
   [[nodiscard]] bool settled() const {
-    return infeasible_ ||
-           (best_.has_plan() && detail::meets(best_.reward, *best_.bound));
+    return infeasible_ || (best_.has_plan() && detail::meets(best_.reward, *best_.bound));
   }
 
   [[nodiscard]] Result answer(Stop stop, const std::string& how) const {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "orasp/containers/parallel.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
@@ -54,7 +54,8 @@ class Search {
     result_.statistics.peak_bytes = peak_bytes_;
   }
 
-  /// Whether the search came to its end: what it has is optimal, and if it has nothing there is nothing.
+  /// Whether the search came to its end: what it has is optimal, and if it has nothing there is
+  /// nothing.
   [[nodiscard]] bool done() const { return done_; }
 
  private:
@@ -297,8 +298,8 @@ class Search {
       bytes += layer->states.capacity() * 8 + layer->size() * 24;
     for (const Worker& worker : workers_) bytes += worker.found.capacity() * sizeof(Candidate);
     peak_bytes_ = std::max(peak_bytes_, bytes);
-    // Before it is taken: what the next chunk and the next layer may need. Tables grow by doubling, and for a moment
-    // both the old and the new one are there.
+    // Before it is taken: what the next chunk and the next layer may need. Tables grow by doubling,
+    // and for a moment both the old and the new one are there.
     const std::size_t kept = kept_.size() + 2 * kept_grew_;
     const std::size_t next = std::min(kept, width_);
     std::uint64_t soon = bytes_with(taken_, taken_.size() + next) + bytes_with(kept_, kept) +

@@ -13,13 +13,13 @@
 #include <variant>
 #include <vector>
 
-#include "orasp/model/detail/connectivity.h"
-#include "orasp/model/error.h"
 #include "orasp/bounds/bounds.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/parallel.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/model/error.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
@@ -54,8 +54,8 @@ Mask bit(std::size_t c) {
   return Mask{1} << c;
 }
 
-// Number systems. take() turns a reward into a value, or says that it is too large; plus() is a step before what is
-// left; value() turns back.
+// Number systems. take() turns a reward into a value, or says that it is too large; plus() is a
+// step before what is left; value() turns back.
 
 struct Doubles {
   using Value = double;
@@ -131,8 +131,8 @@ bool calls_out(const Objective& objective) {
          });
 }
 
-/// What forest blocks need to know of the assembly. Slots as in AssemblyGraph::forest(), numbered anew: the edges in
-/// their order, then the roots that have an edge.
+/// What forest blocks need to know of the assembly. Slots as in AssemblyGraph::forest(), numbered
+/// anew: the edges in their order, then the roots that have an edge.
 struct Forest {
   struct Edge {
     ConnectionIndex connection;
@@ -170,9 +170,9 @@ std::optional<Forest> forest_of(const TransitionSystem& system) {
   return forest;
 }
 
-/// Values of forest blocks: 32 masks at once that differ in their lowest five bits. Below an edge and in its piece
-/// there are at most connections + 1 parts, so sizes are bytes, and two of them are the index of a table of rewards.
-/// One for each thread.
+/// Values of forest blocks: 32 masks at once that differ in their lowest five bits. Below an edge
+/// and in its piece there are at most connections + 1 parts, so sizes are bytes, and two of them
+/// are the index of a table of rewards. One for each thread.
 template <class Numbers>
 class ForestBlocks {
  public:
@@ -244,7 +244,8 @@ class ForestBlocks {
       std::array<std::uint16_t, kLanes> places;
       const Bytes& below = below_[e];
       const Bytes& above = piece_[edge.parent];
-      // An open connection is there in disassembly: the piece above is the whole of it. In assembly it is missing.
+      // An open connection is there in disassembly: the piece above is the whole of it. In assembly
+      // it is missing.
       if (forest_.assembly) {
         for (std::size_t l = 0; l < kLanes; ++l) {
           places[l] = static_cast<std::uint16_t>(below[l] * kStride + below[l] + above[l]);
@@ -337,7 +338,8 @@ class ForestBlocks {
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-/// The order of work: masks are a block number above block_bits low bits; blocks are sorted by their number of ones.
+/// The order of work: masks are a block number above block_bits low bits; blocks are sorted by
+/// their number of ones.
 struct Blocks {
   std::size_t bits = 0;
   std::vector<std::uint32_t> numbers;
@@ -604,7 +606,8 @@ void solve_in_fixed_point(const TransitionSystem& system, const Budget& budget,
   values.resize(bit(system.num_connections()));
   const auto known = known_sizes(system);
   Sizes sizes = known ? *known : sampled_sizes(system);
-  // Tenfold, a hundredfold, ten-thousandfold: a function of the problem alone, whichever thread met the large reward.
+  // Tenfold, a hundredfold, ten-thousandfold: a function of the problem alone, whichever thread met
+  // the large reward.
   for (double factor = 10;; factor *= factor) {
     const FixedPoint numbers(system.num_connections(), sizes.step, sizes.last);
     Sweep<FixedPoint> sweep(system, budget, blocks, forest, numbers, values.data());
@@ -648,7 +651,8 @@ Result dense_value_iteration(const TransitionSystem& system,
   const Stopwatch watch;
   if (auto result = detail::settled(system, kMethod)) return *result;
   if (!system.whole())
-    throw InputError("value-iteration: the table of all 2^n states begins with all connections open");
+    throw InputError(
+        "value-iteration: the table of all 2^n states begins with all connections open");
   const std::size_t n = system.num_connections();
   const bool doubles = takes_doubles(system, options, budget);
   const double needed = table_bytes(n, doubles);

@@ -7,15 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include "orasp/planners/planner_support.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp::detail {
 
-/// Finds some legal sequence from the state `from` (open connections) to the state `to`, a subset of it, depth first,
-/// backtracking at dead ends. `arrange(open, std::span<Action>)` puts the legal actions of a state into the order in
-/// which they are tried and returns how many of them to try; it leaves out those of `to`. States from which everything
-/// failed are kept in a table, so none is tried twice; so it is complete over the actions that `arrange` keeps.
+/// Finds some legal sequence from the state `from` (open connections) to the state `to`, a subset
+/// of it, depth first, backtracking at dead ends. `arrange(open, std::span<Action>)` puts the legal
+/// actions of a state into the order in which they are tried and returns how many of them to try;
+/// it leaves out those of `to`. States from which everything failed are kept in a table, so none is
+/// tried twice; so it is complete over the actions that `arrange` keeps.
 template <class Arrange>
 [[nodiscard]] Result depth_first_search(const TransitionSystem& system, const ConnectionSet& from,
                                         const ConnectionSet& to, const Budget& budget,

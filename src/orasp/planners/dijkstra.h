@@ -1,8 +1,8 @@
 #pragma once
 
+#include "orasp/graph/state_graph.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
-#include "orasp/graph/state_graph.h"
 
 namespace orasp {
 

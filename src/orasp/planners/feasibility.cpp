@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::string_view kMethod = "feasibility";
 
-// What prepared() makes a step earn tells what it cuts: nothing 0, two larger pieces -2, at least one single part
-// -5 or -8.
+// What prepared() makes a step earn tells what it cuts: nothing 0, two larger pieces -2, at least
+// one single part -5 or -8.
 constexpr double kSingle = 4;
 constexpr double kLarger = 1;
 constexpr double kCuts = -1.5;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "orasp/model/transition_system.h"
 #include "orasp/bounds/bounds.h"
+#include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -19,15 +19,16 @@ namespace orasp {
 /// Repeatable. Ties go to the lowest connection.
 [[nodiscard]] Result greedy(const TransitionSystem& system, const Budget& budget);
 
-/// The same, but what counts is the reward and what it does to the bound on the rest: an action that keeps the bound
-/// within reach comes before all others. `bound` must be known(). Where every choice keeps it the plan meets the bound
-/// and so is optimal; the caller compares.
+/// The same, but what counts is the reward and what it does to the bound on the rest: an action
+/// that keeps the bound within reach comes before all others. `bound` must be known(). Where every
+/// choice keeps it the plan meets the bound and so is optimal; the caller compares.
 [[nodiscard]] Result guided_greedy(const TransitionSystem& system, PieceBound& bound,
                                    const Budget& budget);
 
-/// Looks for a plan that meets the bound, and so is optimal: depth first over the actions that lose nothing against it.
-/// Feasible with such a plan, Unknown without one (there may be none, or the budget ended). `bound` must be known();
-/// the caller compares the rewards, since the bound of the last step is an upper one.
+/// Looks for a plan that meets the bound, and so is optimal: depth first over the actions that lose
+/// nothing against it. Feasible with such a plan, Unknown without one (there may be none, or the
+/// budget ended). `bound` must be known(); the caller compares the rewards, since the bound of the
+/// last step is an upper one.
 [[nodiscard]] Result plan_at_bound(const TransitionSystem& system, PieceBound& bound,
                                    const Budget& budget);
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "orasp/bounds/bounds.h"
-#include "orasp/planners/planner_support.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
 
 namespace orasp {
@@ -88,8 +88,8 @@ class Search {
     bound_.of_successors(state_.view(), rest_, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i)
       actions_.push_back({legal[i].connection, legal[i].reward, rests_[i]});
-    // Best promise first (under the bound `none` that is the best reward, as in the paper), then the best reward, then the
-    // lowest connection; they are taken from the back.
+    // Best promise first (under the bound `none` that is the best reward, as in the paper), then
+    // the best reward, then the lowest connection; they are taken from the back.
     std::ranges::sort(
         std::span(actions_).subspan(frames_.back()), [](const Untried& a, const Untried& b) {
           const double left = std::floor((a.reward + a.rest) / kRewardTolerance + 0.5);

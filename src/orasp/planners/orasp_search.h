@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "orasp/model/transition_system.h"
 #include "orasp/bounds/bounds.h"
+#include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -18,9 +18,10 @@ struct OraspSearchOptions {
 /// as it goes.
 ///
 /// Idea.       A random legal sequence is the first incumbent. The search expands recursively, best
-///             promise first (reward plus bound; with the paper's bound: best reward first); a branch is abandoned as soon as its running reward plus a proved
-///             upper bound on what is left cannot beat the incumbent, and so is a state met again
-///             no better than before. A better complete sequence becomes the incumbent.
+///             promise first (reward plus bound; with the paper's bound: best reward first); a
+///             branch is abandoned as soon as its running reward plus a proved upper bound on what
+///             is left cannot beat the incumbent, and so is a state met again no better than
+///             before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
 ///             bound is 0). Rewards above zero, and stronger bounds, come from bounds/bounds.h.
 /// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more
@@ -29,7 +30,8 @@ struct OraspSearchOptions {
 ///             a state met.
 /// Limit.      The table must fit in budget.max_bytes; stopped there it keeps the incumbent.
 /// Repeatable. Seeded; ties go to the lowest connection.
-/// @throws InputError where the bound knows nothing about the problem (an `expression` that sees more than the
+/// @throws InputError where the bound knows nothing about the problem (an `expression` that sees
+/// more than the
 ///         piece, or a callable without a range): the sentence names the methods that need none.
 [[nodiscard]] Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                                   const Budget& budget);

@@ -22,7 +22,8 @@ std::optional<Result> settled(const TransitionSystem& system, std::string_view m
 
 namespace {
 
-/// Seconds for a plan after the limit has struck, where a plan may take longer than some milliseconds.
+/// Seconds for a plan after the limit has struck, where a plan may take longer than some
+/// milliseconds.
 constexpr double kAtOnce = 0.04;
 constexpr std::size_t kSmall = 600;  ///< connections
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
-#include "orasp/model/transition_system.h"
 #include "orasp/bounds/bounds.h"
+#include "orasp/graph/state_graph.h"
+#include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
-#include "orasp/graph/state_graph.h"
 
 namespace orasp::detail {
 
@@ -22,18 +22,20 @@ namespace orasp::detail {
 [[nodiscard]] double reward_of(const TransitionSystem& system,
                                std::span<const ConnectionIndex> sequence);
 
-/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, or any, if one
-/// is found at once. `statistics` are those of the method.
+/// The answer of a method that was stopped before it had a plan of its own: a greedy plan, or any,
+/// if one is found at once. `statistics` are those of the method.
 [[nodiscard]] Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
                              const Statistics& statistics);
 
 /// An upper bound on what any plan earns (BoundKind::Best); empty where none is known.
 [[nodiscard]] std::optional<double> bound_of_start(const TransitionSystem& system);
 
-/// Whether a plan earns all that `bound` allows, but for rounding. Not where there is no plan (-infinity).
+/// Whether a plan earns all that `bound` allows, but for rounding. Not where there is no plan
+/// (-infinity).
 [[nodiscard]] bool meets(double reward, double bound);
 
-/// Sets status and bound of a result that holds a plan: Optimal, and not stopped, if it meets the bound; else Feasible.
+/// Sets status and bound of a result that holds a plan: Optimal, and not stopped, if it meets the
+/// bound; else Feasible.
 void judge_by(std::optional<double> bound, Result& result);
 
 /// "no plan exists: ..." for a method that looked at everything.

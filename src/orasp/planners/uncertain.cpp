@@ -149,9 +149,11 @@ std::vector<PolicyState> policy_of(const UncertainGraph& graph, const UncertainS
   return policy;
 }
 
-/// The likeliest course under the choice. A failure that leaves the state as it is changes nothing: the attempt is made
-/// again, and succeeds in the end. Of two that are equally likely, the one that succeeds.
-void find_most_likely(const UncertainGraph& graph, const UncertainSolution& solution, Expectation& expectation) {
+/// The likeliest course under the choice. A failure that leaves the state as it is changes nothing:
+/// the attempt is made again, and succeeds in the end. Of two that are equally likely, the one that
+/// succeeds.
+void find_most_likely(const UncertainGraph& graph, const UncertainSolution& solution,
+                      Expectation& expectation) {
   const Outcomes outcomes(graph);
   struct Likelihood {
     double best = 1;
@@ -163,12 +165,14 @@ void find_most_likely(const UncertainGraph& graph, const UncertainSolution& solu
     const Attempt& attempt = graph.attempts(s)[solution.choice[s]];
     const double p = attempt.failed == s ? 1 : outcomes.success(attempt);
     const double done = p * likelihoods[attempt.done].best;
-    const double rest = attempt.failed == UncertainGraph::kJobEnded ? 1 : likelihoods[attempt.failed].best;
+    const double rest =
+        attempt.failed == UncertainGraph::kJobEnded ? 1 : likelihoods[attempt.failed].best;
     const double failed = p == 1 ? 0 : (1 - p) * rest;
     likelihoods[s] = {.best = std::max(done, failed), .succeeds = done >= failed};
   }
   expectation.probability = likelihoods[0].best;
-  for (State s = 0; s != UncertainGraph::kJobEnded && solution.choice[s] != UncertainSolution::kNone;) {
+  for (State s = 0;
+       s != UncertainGraph::kJobEnded && solution.choice[s] != UncertainSolution::kNone;) {
     const Attempt& attempt = graph.attempts(s)[solution.choice[s]];
     expectation.most_likely.push_back({attempt.connection, likelihoods[s].succeeds});
     s = likelihoods[s].succeeds ? attempt.done : attempt.failed;
@@ -372,12 +376,14 @@ Result uncertain_value_iteration(const UncertainGraph& graph, const ValueIterati
     }
     evaluate_choice(graph, solution);
     const Accuracy accuracy = accuracy_of(graph, values);
-    result.expectation = Expectation{solution.attempts[0], accuracy.residual, accuracy.error, {}, 1, {}};
+    result.expectation =
+        Expectation{solution.attempts[0], accuracy.residual, accuracy.error, {}, 1, {}};
     bound = std::max(values[0] + accuracy.error, solution.values[0]);
   } else {
     statistics.sweeps = 1;
     const Accuracy accuracy = accuracy_of(graph, solution.values);
-    result.expectation = Expectation{solution.attempts[0], accuracy.residual, accuracy.error, {}, 1, {}};
+    result.expectation =
+        Expectation{solution.attempts[0], accuracy.residual, accuracy.error, {}, 1, {}};
     bound = solution.values[0];
   }
   result.reward = solution.values[0];

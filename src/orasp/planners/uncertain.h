@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "orasp/model/transition_system.h"
-#include "orasp/task/budget.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
-#include "orasp/task/result.h"
+#include "orasp/model/transition_system.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "orasp/planners/dense_value_iteration.h"
 #include "orasp/containers/parallel.h"
+#include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {

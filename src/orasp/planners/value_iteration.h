@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "orasp/graph/state_graph.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
-#include "orasp/graph/state_graph.h"
 
 namespace orasp {
 

@@ -11,11 +11,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "orasp/io/detail/json_text.h"
-#include "orasp/report/detail/report_page.h"
-#include "orasp/model/detail/wording.h"
-#include "orasp/fleet/fleet_validate.h"
 #include "orasp/bounds/bounds.h"
+#include "orasp/fleet/fleet_validate.h"
+#include "orasp/io/detail/json_text.h"
+#include "orasp/model/detail/wording.h"
+#include "orasp/report/detail/report_page.h"
 
 namespace orasp {
 namespace {

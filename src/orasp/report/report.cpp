@@ -13,13 +13,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "orasp/io/detail/json_text.h"
-#include "orasp/report/detail/report_page.h"
-#include "orasp/explain/grounds.h"
-#include "orasp/model/validate.h"
 #include "orasp/bounds/bounds.h"
+#include "orasp/explain/grounds.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/io/detail/json_text.h"
+#include "orasp/model/validate.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/report/detail/report_page.h"
 
 namespace orasp {
 namespace {
@@ -41,7 +41,8 @@ bool reaches(double reward, double bound) {
 // ---------------------------------------------------------------------------------------------------------------------
 // A plan
 
-/// The pieces of the product in the plan's most connected state, a label for each part, and how each removal splits one.
+/// The pieces of the product in the plan's most connected state, a label for each part, and how
+/// each removal splits one.
 class Pieces {
  public:
   Pieces(const Problem& problem, const ConnectionSet& present)
@@ -165,8 +166,8 @@ std::vector<std::vector<std::pair<std::string, std::string>>> broken_rules(
   return broken;
 }
 
-/// Steps are written in disassembly order, whatever the problem's direction: a removal splits a piece, and the opposite
-/// order undoes that.
+/// Steps are written in disassembly order, whatever the problem's direction: a removal splits a
+/// piece, and the opposite order undoes that.
 ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, const Result& best) {
   const Problem& problem = system.problem();
   const bool assembly = problem.direction() == Direction::Assembly;
@@ -295,8 +296,9 @@ ordered_json path_json(const TransitionSystem& system, const ReportPlan& plan,
   return path;
 }
 
-/// The drawing: each node [layer, connections present, kind, best reward to come], kind 0 a state of H, 1 one that a
-/// precedence prunes, 2 a dead end; each action [from, to, connection, reward, whether it is pruned].
+/// The drawing: each node [layer, connections present, kind, best reward to come], kind 0 a state
+/// of H, 1 one that a precedence prunes, 2 a dead end; each action [from, to, connection, reward,
+/// whether it is pruned].
 ordered_json drawing_json(const StateGraph& graph, const StateGraph& drawn, const Report& report) {
   const TransitionSystem& system = drawn.system();
   std::map<WordsKey, StateId> in_graph;
@@ -382,7 +384,8 @@ ordered_json learning_json(const std::vector<LearningPoint>& points) {
 }
 
 /// The density of the rewards at even places, as [reward, density], by Gaussian kernels.
-/// Reference. Silverman (1986), Density Estimation for Statistics and Data Analysis, p. 48 (the width).
+/// Reference. Silverman (1986), Density Estimation for Statistics and Data Analysis, p. 48 (the
+/// width).
 ordered_json density_json(const ReportSample& sample) {
   const auto n = static_cast<double>(sample.rewards.size());
   const double spread =

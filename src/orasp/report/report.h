@@ -40,7 +40,8 @@ struct ReportSample {
   double greatest = 0;
 };
 
-/// What a report shows beside the problem itself. Texts are data: the page shows them as they are, whatever they hold.
+/// What a report shows beside the problem itself. Texts are data: the page shows them as they are,
+/// whatever they hold.
 struct Report {
   std::string title;
   std::vector<ReportPlan> plans;      ///< may be empty, where there is none
@@ -51,13 +52,14 @@ struct Report {
   std::optional<ReportSample> sample;
 };
 
-/// The report as JSON, the data of the page: the problem, each plan replayed by evaluate() with the grounds of each step,
-/// H where it has at most kMaxReportStates states and kMaxReportActions actions (and what precedence takes from it), the learning curve and the
-/// distribution. All facts are worked out here; the page arranges and draws. `<` is written \u003c.
+/// The report as JSON, the data of the page: the problem, each plan replayed by evaluate() with the
+/// grounds of each step, H where it has at most kMaxReportStates states and kMaxReportActions
+/// actions (and what precedence takes from it), the learning curve and the distribution. All facts
+/// are worked out here; the page arranges and draws. `<` is written \u003c.
 [[nodiscard]] std::string report_data(const TransitionSystem& system, const Report& report);
 
-/// The report as one HTML page that needs nothing else: no network, no other file. @throws InputError if it would be
-/// larger than kMaxReportBytes.
+/// The report as one HTML page that needs nothing else: no network, no other file. @throws
+/// InputError if it would be larger than kMaxReportBytes.
 [[nodiscard]] std::string report_html(const TransitionSystem& system, const Report& report);
 
 /// report_html into a stream. @throws InputError as above.

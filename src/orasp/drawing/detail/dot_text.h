@@ -5,8 +5,8 @@
 
 namespace orasp::detail {
 
-/// A string of the DOT language, quotes and all. Line breaks become "\n" of labels; other control characters, which XML
-/// does not allow, become '?'.
+/// A string of the DOT language, quotes and all. Line breaks become "\n" of labels; other control
+/// characters, which XML does not allow, become '?'.
 [[nodiscard]] std::string dot_string(std::string_view text);
 
 /// At most four decimals, no trailing zeros.

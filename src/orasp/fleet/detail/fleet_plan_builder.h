@@ -15,19 +15,22 @@ struct PlacedPiece {
   friend bool operator==(const PlacedPiece&, const PlacedPiece&) = default;
 };
 
-/// One way in which a subassembly becomes certain blocks: which of them stays (0: none) and the robots that takes.
+/// One way in which a subassembly becomes certain blocks: which of them stays (0: none) and the
+/// robots that takes.
 struct MatchingSplit {
   PartMask stays = 0;
   std::size_t robots = 0;
 };
 
-/// The ways in which `piece` becomes exactly the blocks of `after` within it; the others of its parts are freed.
+/// The ways in which `piece` becomes exactly the blocks of `after` within it; the others of its
+/// parts are freed.
 [[nodiscard]] std::vector<MatchingSplit> matching_splits(FleetExpander& expander, PartMask piece,
                                                          FleetExpander::Locks locks,
                                                          std::span<const PartMask> after);
 
-/// The plan that leads through these states, the start first, the empty one last. Sites at the same point are taken
-/// for one another where needed, so a state may name the same site twice if another lies at its point. Each step must be possible with the robots there are.
+/// The plan that leads through these states, the start first, the empty one last. Sites at the same
+/// point are taken for one another where needed, so a state may name the same site twice if another
+/// lies at its point. Each step must be possible with the robots there are.
 [[nodiscard]] FleetPlan build_fleet_plan(FleetExpander& expander,
                                          const std::vector<std::vector<PlacedPiece>>& states);
 

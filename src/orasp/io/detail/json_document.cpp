@@ -47,8 +47,8 @@ std::string_view word_at(std::string_view text, std::size_t byte) {
   return text.substr(byte, std::max(end, byte + 1) - byte);
 }
 
-/// Where the literal begins that the parser gave up on when it had read `byte`: it reads on as long as the text could
-/// become true, false or null.
+/// Where the literal begins that the parser gave up on when it had read `byte`: it reads on as long
+/// as the text could become true, false or null.
 std::size_t literal_begin(std::string_view text, std::size_t byte) {
   for (const std::string_view literal : {"true", "false", "null"}) {
     for (std::size_t length = std::min(literal.size() - 1, byte); length > 0; --length) {
@@ -60,7 +60,8 @@ std::size_t literal_begin(std::string_view text, std::size_t byte) {
 
 /// Throws the parser's message about the byte at `position` (from 1), said in words of ours.
 [[noreturn]] void rethrow(std::string_view text, std::size_t position, std::string message) {
-  // "[json.exception...] parse error at line 1, column 5: syntax error while parsing object key - unexpected ..."
+  // "[json.exception...] parse error at line 1, column 5: syntax error while parsing object key -
+  // unexpected ..."
   const bool in_key = message.find("while parsing object key") != std::string::npos;
   const std::size_t byte = std::min(position, text.size()) - std::min<std::size_t>(position, 1);
   if (message.find("unexpected end of input") != std::string::npos) {
@@ -283,18 +284,12 @@ std::size_t JsonValue::size() const {
 
 std::string JsonValue::description() const {
   switch (kind()) {
-    case JsonKind::Null:
-      return "null";
-    case JsonKind::Boolean:
-      return boolean() ? "true" : "false";
-    case JsonKind::Number:
-      return "the number " + number_text(number());
-    case JsonKind::String:
-      return "the string " + in_quotes(string());
-    case JsonKind::Array:
-      return size() == 0 ? "an empty array" : "an array";
-    case JsonKind::Object:
-      break;
+    case JsonKind::Null: return "null";
+    case JsonKind::Boolean: return boolean() ? "true" : "false";
+    case JsonKind::Number: return "the number " + number_text(number());
+    case JsonKind::String: return "the string " + in_quotes(string());
+    case JsonKind::Array: return size() == 0 ? "an empty array" : "an array";
+    case JsonKind::Object: break;
   }
   return "an object";
 }

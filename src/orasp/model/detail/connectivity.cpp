@@ -127,16 +127,17 @@ void Connectivity::analyse(SetView present, bool isolated) {
       search_from<false>(part, present);
     }
   };
-  // Roots are ends of the lowest connections, so that a piece is walked the same way in every state that holds it:
-  // sums over its parts are then the same number, bit for bit.
+  // Roots are ends of the lowest connections, so that a piece is walked the same way in every state
+  // that holds it: sums over its parts are then the same number, bit for bit.
   for_each_connection(present, [&](ConnectionIndex c) { walk(graph_.ends(c)[0]); });
   if (isolated) {
     for (PartIndex part = 0; part < graph_.num_parts(); ++part) walk(part);
   }
 }
 
-// Sizes of subtrees from the leaves up, then sizes of pieces from the roots down; presence is a mask, not a branch:
-// whether a connection is present is a coin toss to the processor. Returns the number of pieces with two or more parts.
+// Sizes of subtrees from the leaves up, then sizes of pieces from the roots down; presence is a
+// mask, not a branch: whether a connection is present is a coin toss to the processor. Returns the
+// number of pieces with two or more parts.
 template <class Number, class MaskOf>
 Number Connectivity::measure(std::vector<Slot<Number>>& slots, MaskOf&& mask_of) {
   const auto number = [](auto value) { return (Number)value; };  // vectors know no static_cast

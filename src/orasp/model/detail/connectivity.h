@@ -24,16 +24,16 @@ struct Side {
   [[nodiscard]] std::size_t parts() const { return runs[0].size() + runs[1].size(); }
 };
 
-/// The assembly graph, arranged for walking. Immutable. Connections of a part to itself are left out: they hold
-/// nothing together.
+/// The assembly graph, arranged for walking. Immutable. Connections of a part to itself are left
+/// out: they hold nothing together.
 class AssemblyGraph {
  public:
   struct HalfEdge {
     PartIndex other;
     ConnectionIndex connection;
   };
-  /// An edge of the rooted spanning forest. Every part has a slot: that of the connection above it, or, for a root, one
-  /// of those from num_connections() on.
+  /// An edge of the rooted spanning forest. Every part has a slot: that of the connection above it,
+  /// or, for a root, one of those from num_connections() on.
   struct ForestEdge {
     ConnectionIndex connection;  ///< also the slot of `child`
     std::uint32_t parent_slot;
@@ -93,7 +93,8 @@ class AssemblyGraph {
   std::size_t num_slots_ = 0;
 };
 
-/// Finds for a set of present connections, all at once, which of them separate and how many parts are on either side.
+/// Finds for a set of present connections, all at once, which of them separate and how many parts
+/// are on either side.
 ///
 /// Idea.       In an assembly without cycles every connection separates: subtree sizes of one fixed
 ///             rooted forest, without a branch, and for eight states at once in the lanes of
@@ -114,7 +115,8 @@ class Connectivity {
 
   /// Whether analyse_batch may be used: no cycles, and only sizes are asked for.
   [[nodiscard]] bool takes_batches() const { return !lists_; }
-  /// Analyses 1 to kLanes states that stand one after another; select() then says which one is asked about.
+  /// Analyses 1 to kLanes states that stand one after another; select() then says which one is
+  /// asked about.
   void analyse_batch(std::span<const std::uint64_t> states);
   void select(std::size_t lane) {
     lane_ = lane;

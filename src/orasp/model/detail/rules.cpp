@@ -225,9 +225,9 @@ void Rules::add_terms(const Problem& problem, const Objective& objective, double
   std::visit(Visitor{problem, *this, term}, objective.parameters);
 }
 
-// Precedence is written for disassembly: removing c needs every `after` gone. In assembly the step that makes c is the
-// reverse of removing it from the state that follows, so there every `after` must still be missing. While c itself is
-// handled it is there, in both directions.
+// Precedence is written for disassembly: removing c needs every `after` gone. In assembly the step
+// that makes c is the reverse of removing it from the state that follows, so there every `after`
+// must still be missing. While c itself is handled it is there, in both directions.
 bool Rules::precedence_met(SetView open, ConnectionIndex c) const {
   if (!contains(constrained, c)) return true;
   const std::uint64_t flip = assembly ? ~std::uint64_t{0} : 0;

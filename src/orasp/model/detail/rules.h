@@ -17,8 +17,8 @@
 namespace orasp::detail {
 
 inline constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
-/// A formula of sizes alone is looked up in a table of its values up to this many parts (two values for each pair of
-/// sizes).
+/// A formula of sizes alone is looked up in a table of its values up to this many parts (two values
+/// for each pair of sizes).
 inline constexpr std::size_t kMostPartsInTable = 2048;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -46,12 +46,14 @@ struct Term {
   const Expression* expression = nullptr;
   const Callable* callable = nullptr;
   std::size_t index = 0;  ///< of the term
-  /// The reward depends on sizes and counts only, not on which parts are on which side: always so for some kinds, and for
-  /// Fuel where all masses are equal (to `part_mass`), for Time where no part has a position.
+  /// The reward depends on sizes and counts only, not on which parts are on which side: always so
+  /// for some kinds, and for Fuel where all masses are equal (to `part_mass`), for Time where no
+  /// part has a position.
   bool counting = false;
   double part_mass = 0;  ///< kg
-  /// What the term earns is the connection's own (a step for it that separates nothing) and, where it separates, a gain
-  /// that depends on nothing but A, B, the connection and whether it completes.
+  /// What the term earns is the connection's own (a step for it that separates nothing) and, where
+  /// it separates, a gain that depends on nothing but A, B, the connection and whether it
+  /// completes.
   bool piece_only = false;
   bool gain_by_sizes = false;  ///< piece_only, and the gain depends on the sizes of A and B alone
   bool gain_by_connection = false;  ///< piece_only, and the gain depends on the connection too
@@ -74,8 +76,8 @@ inline double time_reward(const Term& term, double duration, std::optional<doubl
   return 0.0 - (duration + (metres ? 2 * *metres / term.p : term.q));
 }
 
-/// The objectives that see nothing but sizes: a step that cuts a piece into a and b parts (0 and 0: it separates
-/// nothing). `whole`: the piece is a whole starting piece.
+/// The objectives that see nothing but sizes: a step that cuts a piece into a and b parts (0 and 0:
+/// it separates nothing). `whole`: the piece is a whole starting piece.
 [[gnu::always_inline]] inline double size_reward(const Term& term, std::size_t a, std::size_t b,
                                                  bool completes, bool whole) {
   const bool separates = a != 0;

@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 
 #include "orasp/io/detail/json_text.h"
-#include "orasp/report/embedded_page.h"
 #include "orasp/io/problem_json.h"
-#include "orasp/report/report.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/error.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/report/embedded_page.h"
+#include "orasp/report/report.h"
 
 namespace orasp::detail {
 namespace {

@@ -12,13 +12,15 @@
 /// What the reports of one robot and of several have in common.
 namespace orasp::detail {
 
-/// A number for people: at most six decimals, no trailing zeros, a true minus sign. web/src/format.js writes the same.
+/// A number for people: at most six decimals, no trailing zeros, a true minus sign.
+/// web/src/format.js writes the same.
 [[nodiscard]] std::string page_number(double number);
 
 /// "1 step", "12,096 states".
 [[nodiscard]] std::string counted(std::uint64_t number, std::string_view noun);
 
-/// What ended a search early, to follow another sentence (it begins with a space); empty where nothing did.
+/// What ended a search early, to follow another sentence (it begins with a space); empty where
+/// nothing did.
 [[nodiscard]] std::string stop_sentence(Stop stop);
 
 /// The problem for the page: names, parts, connections, every constraint in words.
@@ -26,10 +28,12 @@ namespace orasp::detail {
 
 [[nodiscard]] bool has_positions(const Problem& problem);
 
-/// JSON as the text of a script that holds data: `<` is written \u003c, and bytes that are not UTF-8 become U+FFFD.
+/// JSON as the text of a script that holds data: `<` is written \u003c, and bytes that are not
+/// UTF-8 become U+FFFD.
 [[nodiscard]] std::string script_text(const nlohmann::ordered_json& document);
 
-/// The page with these data; `space`: with what draws in space. @throws InputError if it is larger than kMaxReportBytes.
+/// The page with these data; `space`: with what draws in space. @throws InputError if it is larger
+/// than kMaxReportBytes.
 [[nodiscard]] std::string report_page(std::string_view title, std::string_view data, bool space);
 
 }  // namespace orasp::detail
