@@ -39,7 +39,7 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Help texts
 
 constexpr std::size_t kHelpWidth = 80;
@@ -112,7 +112,7 @@ std::string methods_help() {
 constexpr const char* kProblemHelp =
     "a file, - for standard input, or a built-in scenario (`orasp scenarios` lists them)";
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // One command's words
 
 /// The options of one command. Every value arrives as text and is checked by ours, so that all
@@ -295,7 +295,7 @@ void add_seed_option(CommandLine& line, std::uint64_t& seed, const std::string& 
   line.whole("--seed", "N", fmt::format("Seed of {} (default: 1).", of), seed, 0);
 }
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // The commands
 
 int solve_command(const Arguments& arguments) {

@@ -48,8 +48,7 @@ namespace orasp::instances {
   return assembly(1, {{1, 1}});
 }
 
-///   1 - 2 - 3            either end first: -(0.0967 + 0.1248) + 1 = 0.7785, the only reward there
-///   is
+///   1 - 2 - 3 either end first: -(0.0967 + 0.1248) + 1 = 0.7785, the only reward there is
 [[nodiscard]] inline ProblemSpec chain_of_three() {
   return assembly(3, {{1, 2}, {2, 3}});
 }
@@ -59,17 +58,15 @@ namespace orasp::instances {
   return assembly(4, {{1, 2}, {3, 4}});
 }
 
-///   1 - 2 - 3 - 4        Greedy must fail here. In the middle first: -(0.1248 + 0.1248) - (0.0967
-///   + 0.0967) + 1 = 0.5570,
-///                        the optimum. At an end first: -(0.0967 + 0.1368) - (0.0967 + 0.1248) + 1
-///                        = 0.5450; but its first step costs 0.2335 and not 0.2496, so greedy takes
-///                        it.
+///   1 - 2 - 3 - 4 Greedy must fail here. In the middle first: -(0.1248 + 0.1248) - (0.0967 +
+///   0.0967) + 1 = 0.5570,
+///                        the optimum. At an end first: -(0.0967 + 0.1368) - (0.0967 + 0.1248) + 1 = 0.5450; but its
+///                        first step costs 0.2335 and not 0.2496, so greedy takes it.
 [[nodiscard]] inline ProblemSpec greedy_trap() {
   return assembly(4, {{1, 2}, {2, 3}, {3, 4}});
 }
 
-///   1 - 2                1-2 after 2-3, 2-3 after 1-3, 1-3 after 1-2: a cycle of precedence, so no
-///   plan.
+///   1 - 2 1-2 after 2-3, 2-3 after 1-3, 1-3 after 1-2: a cycle of precedence, so no plan.
 ///    \ /
 ///     3
 [[nodiscard]] inline ProblemSpec locked_ring() {
@@ -78,16 +75,15 @@ namespace orasp::instances {
   return spec;
 }
 
-///   [1 > 2 < 1]          2 lies in a slot of 1, closed on both sides; no direction is free, so no
-///   plan.
+///   [1 > 2 < 1] 2 lies in a slot of 1, closed on both sides; no direction is free, so no plan.
 [[nodiscard]] inline ProblemSpec boxed_in() {
   ProblemSpec spec = assembly(2, {{1, 2}});
   spec.blocking = Blocking{{"+x", "-x"}, {{"2", "1", {"+x", "-x"}}}};
   return spec;
 }
 
-///   3 | 1 | 2            All three touch; 1 is between 3 (on its -x side) and 2 (on its +x side),
-///   so 1 cannot leave the
+///   3 | 1 | 2 All three touch; 1 is between 3 (on its -x side) and 2 (on its +x side), so 1 cannot
+///   leave the
 ///                        two others while they hang together. 2-3 may go only after 1-2.
 /// The only plan is 1-2, 2-3, 1-3: 0 - (0.0967 + 0.1248) + 1 = 0.7785. To begin with 1-3 is a dead
 /// end: then 1-2 would pull 1 out of the middle and 2-3 waits for 1-2. H has 5 states and 4

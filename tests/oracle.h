@@ -50,8 +50,9 @@ struct Facts {
   std::size_t after = 0;
   bool separates = false;
   bool completes = false;
-  Parts a;  ///< the piece of the connection's first part; empty unless it separates, as all that
-            ///< follows
+  Parts
+      /// The piece of the connection's first part; empty unless it separates, as all that follows.
+      a;
   Parts b;
   Parts moved;
   double moved_mass = 0;

@@ -136,8 +136,8 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
 bool comparable(const Row& proof, const Row& other) {
   if (proof.fleet.has_value() != other.fleet.has_value()) return false;
   if (!proof.fleet || !proof.fleet->steps_allowed) return true;
-  return other.fleet->plan.makespan() <=
-         *proof.fleet->steps_allowed;  // the least travel in so many steps
+  // The least travel in so many steps.
+  return other.fleet->plan.makespan() <= *proof.fleet->steps_allowed;
 }
 
 /// Rows of one problem that contradict each other, in a sentence; empty if none do. A proved

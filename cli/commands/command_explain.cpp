@@ -45,7 +45,7 @@ std::string cut(std::string_view text, std::size_t width) {
   return line.substr(0, end).append(kMore);
 }
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // The whole problem
 
 /// Which connections cannot be the first, and one reason each.
@@ -106,7 +106,7 @@ int explain_all(const Problem& problem, const ExplainOptions& options, const Con
   return found.status == Status::Unknown ? kStopped : kSolved;
 }
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // One connection
 
 /// The state before the step at hand: the plan's steps before it are done.

@@ -215,8 +215,9 @@ constexpr double kMostActionsHeld = 1e6;
 
 struct Answer {
   Result result;
-  std::string times;  ///< of generating H and of replacing its rewards, as JSON; empty where
-                      ///< neither was done
+  std::string
+      /// Of generating H and of replacing its rewards, as JSON; empty where neither was done.
+      times;
 };
 
 /// Under another objective: H is generated once for the problem as it is written, and its rewards

@@ -169,7 +169,7 @@ PaperDistribution distribution(const std::string& name, const PaperEffort& effor
   return row;
 }
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // The pieces, in order
 
 struct Work {

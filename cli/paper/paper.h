@@ -103,8 +103,8 @@ struct PaperDistribution {
 
 struct Paper {
   PaperEffort effort;
-  bool interrupted =
-      false;  ///< a program that was run for it was stopped: Ctrl-C on a terminal reaches all
+  /// A program that was run for it was stopped: Ctrl-C on a terminal reaches all.
+  bool interrupted = false;
   std::string processor;
   unsigned threads = 1;
   double load = 0;  ///< processes that wanted to run, the mean of the last minute, when it began

@@ -46,8 +46,8 @@ struct IlpTime {
   std::string_view problem;
   std::string_view objective;  ///< as the paper calls it
   double seconds;
-  std::string_view
-      fleet;  ///< our name for that problem of several robots; empty: there is no file of it
+  /// Our name for that problem of several robots; empty: there is no file of it.
+  std::string_view fleet;
   std::string_view fleet_objective;  ///< our name for the objective
   std::string_view steps;            ///< horizon of the published program, in moves; empty: none
 };

@@ -4,9 +4,9 @@
 ///
 ///     #include "orasp/orasp.h"
 ///
-///     // A problem: parts, connections, constraints, an objective. Built in, from a file, or by
-///     hand. orasp::Problem problem = orasp::load_scenario("hubble"); problem =
-///     orasp::read_problem("shelf.json");
+///     // A problem: parts, connections, constraints, an objective. Built in, from a file, or by hand.
+///     orasp::Problem problem = orasp::load_scenario("hubble");
+///     problem = orasp::read_problem("shelf.json");
 ///
 ///     // A plan. Status says what was proved; "no plan" is a status, not an exception.
 ///     const orasp::Result result = orasp::solve(problem, "value-iteration");
@@ -31,10 +31,9 @@
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
 ///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
 ///
-///     // Learning: a policy that answers in microseconds from any state. Needs libtorch to train,
-///     not to plan. const orasp::Training training = orasp::train(system, {},
-///     orasp::Budget::with_time_limit(60)); orasp::follow_policy(system, training.trained.policy,
-///     {});
+///     // Learning: a policy that answers in microseconds from any state. Needs libtorch to train, not to plan.
+///     const orasp::Training training = orasp::train(system, {}, orasp::Budget::with_time_limit(60));
+///     orasp::follow_policy(system, training.trained.policy, {});
 ///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");

@@ -315,8 +315,8 @@ TEST(Replanner, ConflictsAreFoundWhereAndOnlyWhereThereIsNoPlan) {
 }
 
 // 1-2-3 in a row, at most one subassembly of two parts may ... by hand: with 1-2 inaccessible,
-// removing 2-3 completes and earns 1; on its own, removing 1-2 then 2-3 earns -(0.0967 + 0.1248)
-// + 1.
+// removing 2-3 completes and earns 1; on its own, removing 1-2 then 2-3 earns -(0.0967 + 0.1248) +
+// 1.
 TEST(Replanner, ByHand) {
   ProblemSpec spec;
   spec.parts.resize(3);

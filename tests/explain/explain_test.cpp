@@ -186,8 +186,8 @@ TEST(ExplainProblem, TooManyStartingSubassembliesAreTheLimitAlone) {
             "the whole product is 2 subassemblies; at most 1 are allowed");
 }
 
-//   1 - 2 - 3 - 4        1 and 4 are closed in by their neighbours, so the middle goes first; that
-//   moves two parts.
+//   1 - 2 - 3 - 4 1 and 4 are closed in by their neighbours, so the middle goes first; that moves
+//   two parts.
 TEST(ExplainProblem, BlockingAgainstALimit) {
   ProblemSpec spec = instances::assembly(4, {{1, 2}, {2, 3}, {3, 4}});
   spec.blocking =
@@ -259,7 +259,7 @@ TEST(ExplainProblem, ClaimsNothingThatIsNotProved) {
             (std::vector<std::string>{"limits.max_moved_parts", "blocking.blocked[0]"}));
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 std::set<std::string> names_of(const std::set<oracle::Rule>& rules) {
   static const std::map<oracle::Rule, std::string> kNames = {

@@ -303,7 +303,7 @@ TEST(RequireGraphFits, RefusesWithTheEstimateAndOtherMethods) {
   EXPECT_THROW(require_graph_fits(TransitionSystem(small), tiny, "dijkstra"), InputError);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// `lines` rows of `length` connections each of part 1 to itself; within a row they go in order. A
 /// state says how far each row is, so (length + 1)^lines states, and the sequences are the ways to

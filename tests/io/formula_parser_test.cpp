@@ -88,8 +88,8 @@ TEST(Formula, NamesWhatIsMissing) {
 }
 
 TEST(Formula,
-     StoresNothing) {  // muParser would assign: then the reward of a step depends on the steps
-                       // before
+     // MuParser would assign: then the reward of a step depends on the steps before.
+     StoresNothing) {
   EXPECT_EQ(fault("duration = 3"), "\"=\" at character 10 assigns; write == to compare");
   EXPECT_EQ(fault("=1"), "\"=\" at character 1 assigns; write == to compare");
   EXPECT_EQ(value("(1 <= 2) + (2 >= 1) + (1 == 1) + (1 != 2)"), 4);

@@ -167,7 +167,7 @@ TEST_P(TransitionSystemOnRandomProblems, AgreesWithTheOracleInEverySetOfConnecti
 
 INSTANTIATE_TEST_SUITE_P(Seeds, TransitionSystemOnRandomProblems, testing::Range(0, 6));
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// The ids of the legal actions in the state in which `handled` have been handled.
 std::vector<std::string> legal_after(const ProblemSpec& spec,
@@ -229,8 +229,8 @@ TEST(MovedPiece, IsTheOneWithoutTheEarliestPartOnATieOfMass) {
 }
 
 // 1 (0.3) - 2 (0) - 3 (0.1) - 4 (0.2): 0.1 + 0.2 and 0.3 are one mass to a user (in binary they
-// differ by 6e-17, which would make {1, 2} the lighter), so the tie goes to the piece without
-// part 1.
+// differ by 6e-17, which would make {1, 2} the lighter), so the tie goes to the piece without part
+// 1.
 TEST(MovedPiece, TakesMassesThatDifferByRoundingForATie) {
   ProblemSpec spec = instances::greedy_trap();
   spec.parts[0].mass = 0.3;
@@ -534,7 +534,7 @@ TEST(Infeasibility, SeesCyclesThroughAfterAny) {
   EXPECT_FALSE(TransitionSystem(Problem(spec)).infeasibility().has_value());
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // More than 64 connections.
 
 class WideChain : public testing::TestWithParam<std::size_t> {};

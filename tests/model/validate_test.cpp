@@ -36,8 +36,8 @@ TEST(Evaluate, AddsUpALegalPlan) {
   EXPECT_NEAR(evaluation.reward, 0.7785, 1e-12);
 }
 
-// 1-3 first is legal, but then 1-2 pulls 1 out of the middle (step 2); 2-3 is free of both by
-// step 3.
+// 1-3 first is legal, but then 1-2 pulls 1 out of the middle (step 2); 2-3 is free of both by step
+// 3.
 TEST(Evaluate, NamesTheViolatedConstraintAndTheStep) {
   const Evaluation evaluation = evaluate_ids(instances::sandwich(), {"1-3", "1-2", "2-3"});
   EXPECT_FALSE(evaluation.valid);

@@ -58,7 +58,7 @@ void ConnectionBound::of_successors(SetView open, double here, std::span<const A
     bounds[i] = last ? 0 : here - greatest_[actions[i].connection];
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 PieceGains::PieceGains(const TransitionSystem& system) {
   const Problem& problem = system.problem();
@@ -434,7 +434,7 @@ double PieceGains::by_parts(std::span<const PartIndex> piece) const {
   return sum - least;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 struct PieceBound::Scratch {
   Scratch(const TransitionSystem& system, bool lists)
@@ -603,7 +603,7 @@ void PieceBound::add_change(SetView open, std::span<Action> actions) {
   for (std::size_t i = 0; i < actions.size(); ++i) actions[i].reward += changes_[i];
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 namespace {
 

@@ -10,9 +10,10 @@ namespace orasp::detail {
 /// A module: a shared object of this project that is opened when it is first needed, since the
 /// library behind it takes long to load or may be missing.
 struct Module {
-  const char* file;    ///< "orasp_torch.so"
-  const char* symbol;  ///< the C function that makes what the module holds; its number changes with
-                       ///< its type
+  const char* file;  ///< "orasp_torch.so"
+  const char*
+      /// The C function that makes what the module holds; its number changes with its type.
+      symbol;
   std::string_view
       absent;  ///< what to say where the file is missing, a sentence that says how to get it
   std::string_view unloadable;  ///< how a sentence about a file that cannot be loaded begins

@@ -10,10 +10,9 @@ namespace orasp::detail {
 /// Numbers the subsets of 0 .. 63 that have the same size, in ascending order of their masks.
 ///
 /// Idea.       The combinatorial number system: the set b_0 < b_1 < ... has the rank sum of C(b_i,
-/// i + 1). Taking b_j
-///             out leaves the terms below it and moves each one above it down a place, so a prefix
-///             and a suffix sum give the ranks of all sets that are one smaller, at two table
-///             look-ups each.
+///             i + 1). Taking b_j out leaves the terms below it and moves each one above it down a
+///             place, so a prefix and a suffix sum give the ranks of all sets that are one smaller,
+///             at two table look-ups each.
 /// Reference.  Lehmer (1964), "The machine tools of combinatorics"; Knuth, TAOCP 4A, 7.2.1.3.
 class SubsetRank {
  public:

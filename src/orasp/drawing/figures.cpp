@@ -30,7 +30,7 @@ constexpr const char* kFonts = "Helvetica,Arial,sans-serif";
 constexpr std::array<std::string_view, 8> kColours = {"#0072b2", "#d55e00", "#cc79a7", "#56b4e9",
                                                       "#e69f00", "#4d4d4d", "#8c510a", "#5e3c99"};
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // The structure
 
 /// How many pairs of connections cross that share no part, when drawn as straight lines.
@@ -74,7 +74,7 @@ std::vector<Place> structure_places(const Problem& problem) {
   return best;
 }
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Steps
 
 /// The whole structure laid out in a square of `side` points.
@@ -158,7 +158,7 @@ class StepPanel {
   const bool named_;
 };
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // H~
 
 /// H~ in the DOT language, built node by node.
@@ -231,7 +231,7 @@ class TreeText {
   std::string body_;
 };
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Charts
 
 /// A string of gnuplot in single quotes, in which nothing is expanded: no escapes, no commands, no

@@ -23,7 +23,7 @@ namespace {
 using detail::dot_string;
 using detail::short_number;
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // H as a text
 
 constexpr const char* kFonts = "Helvetica,Arial,sans-serif";

@@ -26,29 +26,27 @@ struct ReplannerOptions {
 ///     Result plan = replanner.plan();                            // as solve
 ///     replanner.done(plan.sequence[0]);                          // the cell works ...
 ///     replanner.set_accessible(plan.sequence[1], false);         // ... and the next one is stuck
-///     plan = replanner.plan();                                   // microseconds: everything but
-///     that one replanner.set_accessible(plan.sequence[1], true);          // the repair; undoing
-///     is as quick plan = replanner.plan();
+///     plan = replanner.plan();                                   // microseconds: everything but that one
+///     replanner.set_accessible(plan.sequence[1], true);          // the repair; undoing is as quick
+///     plan = replanner.plan();
 ///
 /// Problem.    The problem that is left is that of TransitionSystem with situation(): the goal is
-/// that everything
-///             accessible is done, the last step towards it completes, rewards are those of the
-///             steps still to come.
+///             that everything accessible is done, the last step towards it completes, rewards are
+///             those of the steps still to come.
 /// Idea.       H is built once and every state's best reward still to come is kept. While
-/// everything is accessible and
-///             nothing is late, an answer is read off. Otherwise only the part of H that can be
-///             reached from the state at hand without inaccessible connections is gone through
-///             again, last layer first: legality and rewards are those of H, but for the reward of
-///             the last step, which the rules give anew. After k of n steps that are at most 2^(n -
-///             k - 1) states. Where H is too large, or the state is none of H's, `auto` solves the
-///             problem that is left. Where attempts may fail, the stochastic shortest path of what
-///             is left is solved anew (uncertain.h).
+///             everything is accessible and nothing is late, an answer is read off. Otherwise only
+///             the part of H that can be reached from the state at hand without inaccessible
+///             connections is gone through again, last layer first: legality and rewards are those
+///             of H, but for the reward of the last step, which the rules give anew. After k of n
+///             steps that are at most 2^(n - k - 1) states. Where H is too large, or the state is
+///             none of H's, `auto` solves the problem that is left. Where attempts may fail, the
+///             stochastic shortest path of what is left is solved anew (uncertain.h).
 /// Reference.  The paper, section on replanning; Bellman (1957).
 /// Guarantee.  Status, bound and reward are those of solving the problem that is left from the
-/// beginning. With H held
-///             always Optimal or Infeasible.
+///             beginning. With H held always Optimal or Infeasible.
 /// Cost.       Building H; then O(states and actions reached), no memory taken but for the first
-/// queries. Not for several threads at once: one Replanner for each.
+///             queries.
+/// Not for several threads at once: one Replanner for each.
 class Replanner {
  public:
   /// Copies the problem. @throws InputError as TransitionSystem. Where `budget` ends building H, it

@@ -32,34 +32,29 @@ struct Alternatives {
 /// Number of optimal sequences, as decimal digits; "0" if there is no plan.
 ///
 /// Idea.       An action is optimal if r(s, a) + V(s after a) falls short of V(s) by no more than
-/// loss_tolerance().
-///             Paths of optimal actions are counted forwards, layer by layer, as graph_size()
-///             counts all paths.
+///             loss_tolerance(). Paths of optimal actions are counted forwards, layer by layer, as
+///             graph_size() counts all paths.
 /// Guarantee.  Exact integers of any size. Counts every sequence whose reward falls short of the
-/// best by no more than
-///             the tolerance, and none in which a single step loses more.
+///             best by no more than the tolerance, and none in which a single step loses more.
 /// Cost.       O(actions); an integer a state (8 bytes up to 20 connections, 16 up to 34, big
-/// beyond).
+///             beyond).
 [[nodiscard]] std::string count_optimal(const StateGraph& graph, std::span<const double> values);
 
 /// The `most` best plans, or all if there are fewer: distinct sequences, best first.
 ///
 /// Idea.       Best first over paths with V as the perfect heuristic. From a state on, the best
-/// path is known: follow V.
-///             Any other plan leaves some found plan at one step by another action and then follows
-///             V; the losses of its departures add up. So each plan found puts the departures from
-///             its later steps into a heap, and the next best plan is at its top: nothing is ever
-///             expanded in vain.
+///             path is known: follow V. Any other plan leaves some found plan at one step by
+///             another action and then follows V; the losses of its departures add up. So each plan
+///             found puts the departures from its later steps into a heap, and the next best plan
+///             is at its top: nothing is ever expanded in vain.
 /// Reference.  Eppstein (1998), Finding the k shortest paths, SIAM J. Computing 28(2), 652-673 (the
-/// heap of departures,
-///             here without his sharing of it, which needs more code than these sizes repay).
+///             heap of departures, here without his sharing of it, which needs more code than these
+///             sizes repay).
 /// Guarantee.  Exact, in the order of the reward up to loss_tolerance(); each plan once. Among
-/// equals: those found first,
-///             from earlier plans first, then from earlier steps, then by lower connection. The
-///             first is the plan of value_iteration().
+///             equals: those found first, from earlier plans first, then from earlier steps, then
+///             by lower connection. The first is the plan of value_iteration().
 /// Cost.       O(most * n * b * log(most)) time for n connections and b actions a state; at most 2
-/// most + n b departures
-///             of 40 bytes, since more than `most` are never needed.
+///             most + n b departures of 40 bytes, since more than `most` are never needed.
 /// Repeatable. Independent of threads.
 /// @returns the plans found before the budget ended.
 [[nodiscard]] Alternatives best_plans(const StateGraph& graph, std::span<const double> values,

@@ -19,7 +19,7 @@ namespace {
 
 using detail::in_quotes;
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // What can be dropped
 
 enum class Kind { After, AfterAny, Subassemblies, MovedParts, MovedMass, Blocked, Inaccessible };
@@ -157,7 +157,7 @@ bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) 
   return gone.size() == connections;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Finding the conflict
 
 /// An order, in disassembly, of what is left to do under the constraints of `problem`, where only
@@ -448,7 +448,7 @@ ProblemExplanation explain_problem(const Problem& problem, const Situation& situ
   return explanation;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // One connection
 
 namespace {

@@ -37,20 +37,17 @@ struct ProblemExplanation {
 /// further conflicts in the problem.
 ///
 /// Idea.       A test drops constraints and asks find_order() whether a plan exists. First whole
-/// groups are dropped one
-///             by one (all blocking, all precedence, each limit), then the entries that are left
-///             are halved again and again, and last the ids and directions inside the entries that
-///             remain, for the sentences.
+///             groups are dropped one by one (all blocking, all precedence, each limit), then the
+///             entries that are left are halved again and again, and last the ids and directions
+///             inside the entries that remain, for the sentences.
 /// Reference.  Deletion filter: Chinneck and Dravnieks (1991), ORSA J. Computing 3(2), 157-168.
-/// Halving (QuickXplain):
-///             Junker (2004), AAAI, 167-172.
+///             Halving (QuickXplain): Junker (2004), AAAI, 167-172.
 /// Guarantee.  The conflict is proved. It is irreducible, not of least size, if `minimal`; a test
-/// that is not decided
-///             in its share of the budget keeps what it would have dropped, and `minimal` is then
-///             false.
+///             that is not decided in its share of the budget keeps what it would have dropped, and
+///             `minimal` is then false.
 /// Cost.       O(k log(n/k) + k) tests for k constraints found among n, each with a limit on
-/// states; Unknown only if
-///             the first one, which may take the whole budget, is not decided.
+///             states; Unknown only if the first one, which may take the whole budget, is not
+///             decided.
 /// Repeatable. Of several conflicts, that of what stands earlier in the file: what stands later is
 /// dropped first.
 [[nodiscard]] ProblemExplanation explain_problem(const Problem& problem, const Budget& budget);
@@ -97,14 +94,14 @@ struct ConnectionExplanation {
 /// handled).
 ///
 /// Idea.       Violations by definition (Expander::violations), and for each what would have to
-/// change. Whether it
-///             becomes legal later: breadth first over the states that other legal steps reach,
-///             which gives a shortest sequence; where these are too many, the steps of some legal
-///             order up to the first state in which the connection may be handled, less those that
-///             can be left out (tried last to first, for a second or so).
+///             change. Whether it becomes legal later: breadth first over the states that other
+///             legal steps reach, which gives a shortest sequence; where these are too many, the
+///             steps of some legal order up to the first state in which the connection may be
+///             handled, less those that can be left out (tried last to first, for a second or so).
 /// Guarantee.  Never is a proof: all states that can be reached without the connection were looked
-/// at. Cost.       At most 20,000 states breadth first and 200,000 depth first, each O(parts +
-/// connections).
+///             at.
+/// Cost.       At most 20,000 states breadth first and 200,000 depth first, each O(parts +
+///             connections).
 [[nodiscard]] ConnectionExplanation explain_connection(const Problem& problem,
                                                        const ConnectionSet& open,
                                                        ConnectionIndex connection,

@@ -48,9 +48,9 @@ inline constexpr std::size_t kNumMotions = kDirectionNames.size() + 1;
 /// and connections are those of the problem.
 ///
 ///     const Problem problem = load_scenario("fleet-lattice");
-///     const FleetProblem fleet(problem);            // throws InputError where something is
-///     missing fleet.robots();                               // 4 fleet.squared_distance(kDepot,
-///     2);            // 5 m^2
+///     const FleetProblem fleet(problem);            // throws InputError where something is missing
+///     fleet.robots();                               // 4
+///     fleet.squared_distance(kDepot, 2);            // 5 m^2
 class FleetProblem {
  public:
   /// @throws InputError with one sentence: no `fleet`, no site, a connection without `axis` or of a

@@ -43,14 +43,15 @@ struct FleetSplit {
 /// search.
 ///
 /// Idea.  The parts of a subassembly that no robot holds form one connected block, since they have
-/// the same motion,
-///        none, and one site. So the held parts are few, and fall into clusters (connected sets of
-///        held parts) that do not touch: each leaves a connected rest, has motions of its own, and
-///        is worked out once. A split is a choice of clusters. If no block stays, all parts are
-///        held, and the subassembly has at most as many parts as there are robots. What motions a
-///        split needs is only asked for a plan (motions()): other steps do not depend on them.
+///        the same motion, none, and one site. So the held parts are few, and fall into clusters
+///        (connected sets of held parts) that do not touch: each leaves a connected rest, has
+///        motions of its own, and is worked out once. A split is a choice of clusters. If no block
+///        stays, all parts are held, and the subassembly has at most as many parts as there are
+///        robots. What motions a split needs is only asked for a plan (motions()): other steps do
+///        not depend on them.
 /// Cost.  Splits are listed without motions, each once. Subassemblies are remembered with their
-/// clusters. Owns its memory; refers to the problem. For one thread.
+///        clusters.
+/// Owns its memory; refers to the problem. For one thread.
 class FleetExpander {
  public:
   /// @throws InputError above kFleetMaxParts parts.

@@ -94,8 +94,8 @@ class Labels {
   Labels(const Forest& forest, const std::vector<PartIndex>& piece, std::vector<Label>& labels)
       : labels_(labels) {
     std::deque<PartIndex> peelable;
-    std::vector<std::pair<PartIndex, std::size_t>>
-        unpeeled;  // neighbours of each part, by its place in `piece`
+    // Neighbours of each part, by its place in `piece`.
+    std::vector<std::pair<PartIndex, std::size_t>> unpeeled;
     const auto place_of = [&piece](PartIndex part) {
       return static_cast<std::size_t>(std::ranges::lower_bound(piece, part) - piece.begin());
     };
@@ -157,7 +157,8 @@ class Labels {
 struct Parting {
   std::vector<PartIndex> piece;
   std::vector<PartIndex> singles;  ///< leave for the depot
-  std::vector<PartIndex> tops;  ///< of subassemblies that are carried off: each with all below it
+  /// Of subassemblies that are carried off: each with all below it.
+  std::vector<PartIndex> tops;
 };
 
 /// The heuristics at work: one step after the other.

@@ -17,23 +17,20 @@ namespace orasp {
 /// The fewest steps in which a fleet takes the product apart, from any set of subassemblies.
 ///
 /// Problem.    For the number of steps only the set of subassemblies matters: blocks that stay keep
-/// their sites, which
-///             differ, and blocks that move may take any free one. So a state is a set of disjoint
-///             blocks of parts.
+///             their sites, which differ, and blocks that move may take any free one. So a state is
+///             a set of disjoint blocks of parts.
 /// Idea.       Depth first with a limit on the steps, one more at a time (iterative deepening, Korf
-/// 1985), over a table
-///             of every state met: the steps that it is proved to take at least, and at most where
-///             a plan is known. With k steps left for n parts a step must free at least n - robots
-///             * (k - 1) of them, so only so many robots may hold blocks that move. Each
-///             subassembly is first asked for alone, with all robots and sites to itself; what is
-///             proved of it holds in every state that it is part of.
+///             1985), over a table of every state met: the steps that it is proved to take at
+///             least, and at most where a plan is known. With k steps left for n parts a step must
+///             free at least n - robots * (k - 1) of them, so only so many robots may hold blocks
+///             that move. Each subassembly is first asked for alone, with all robots and sites to
+///             itself; what is proved of it holds in every state that it is part of.
 /// Bounds.     parts / robots, rounded up: admissible, for each part is freed once by a robot of
-/// its own, and consistent.
-///             Each subassembly alone: admissible, for a plan of the whole, looked at on one
-///             subassembly, keeps all rules with no more robots and sites.
+///             its own, and consistent. Each subassembly alone: admissible, for a plan of the
+///             whole, looked at on one subassembly, keeps all rules with no more robots and sites.
 /// Guarantee.  Exact. Every answer but a stop is proved.
 /// Cost.       Exponential. Memory: 8 bytes for each subassembly that may be there, and about 30
-/// more, a state.
+///             more, a state.
 class FleetMakespanSearch {
  public:
   using StateNumber = std::uint32_t;

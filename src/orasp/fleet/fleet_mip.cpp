@@ -22,8 +22,8 @@ enum class Goal {
 };
 
 /// The program of one problem. States are 0 to `steps`, step t leads from state t - 1 to state t.
-/// In the last state all parts are in the depot. Names count parts, connections and directions
-/// from 1.
+/// In the last state all parts are in the depot. Names count parts, connections and directions from
+/// 1.
 class Builder {
  public:
   Builder(const FleetProblem& fleet, Goal goal, std::size_t steps)
@@ -90,7 +90,7 @@ class Builder {
   [[nodiscard]] std::size_t directions() const { return 2 * fleet_.dimensions(); }
   [[nodiscard]] std::size_t connections() const { return problem_.num_connections(); }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // The structure.
 
   void find_pieces() {
@@ -136,7 +136,7 @@ class Builder {
     model_.add_remark("motion 0 stays; place 0 is the depot");
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Columns, as sums: what is known in advance is a constant.
 
   /// 1 if part i is at place p in state t.
@@ -219,7 +219,7 @@ class Builder {
     }
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Steps.
 
   void add_motions(std::size_t t) {
@@ -350,7 +350,7 @@ class Builder {
     }
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Sites: what is at one hangs together, so that two subassemblies never share it.
 
   void add_sites(std::size_t t) {
@@ -411,7 +411,7 @@ class Builder {
       model_.add_row(mip_name("reached", i + 1, p, t), sum, MipSense::Equal, 0);
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Precedence and objectives.
 
   /// What a connection comes after is cut in an earlier step than it.

@@ -21,21 +21,18 @@ inline constexpr std::size_t kFleetMaxTravelSteps = 500;
 /// The least travel in which a fleet takes the product apart within so many steps.
 ///
 /// Problem.    Now it matters where the subassemblies stand: travel is the sum, over all parts and
-/// steps, of the squared
-///             distance moved. Sites at the same point are alike, so a state names points, each
-///             with room for as many subassemblies as it has sites. Waiting is of use at the end
-///             alone, so it is no step.
+///             steps, of the squared distance moved. Sites at the same point are alike, so a state
+///             names points, each with room for as many subassemblies as it has sites. Waiting is
+///             of use at the end alone, so it is no step.
 /// Idea.       Depth-first branch and bound with limits that rise (the thresholds of IDA*, Korf
-/// 1985), over a table of states with their
-///             steps left, each with a proved lower bound or its exact value (as in Reinefeld and
-///             Marsland 1994). A state of several subassemblies is first bounded by the sum of each
-///             alone, which is what most prunes. States that cannot be finished in time are cut by
-///             FleetMakespanSearch.
+///             1985), over a table of states with their steps left, each with a proved lower bound
+///             or its exact value (as in Reinefeld and Marsland 1994). A state of several
+///             subassemblies is first bounded by the sum of each alone, which is what most prunes.
+///             States that cannot be finished in time are cut by FleetMakespanSearch.
 /// Bounds.     Hops: each part along the cheapest chain of places to the depot within the steps
-/// left; admissible, for that is what a
-///             part pays at least, and consistent. Each subassembly alone: admissible, for a plan
-///             of the whole, looked at on one subassembly, is a plan for that, and travel adds up
-///             over parts.
+///             left; admissible, for that is what a part pays at least, and consistent. Each
+///             subassembly alone: admissible, for a plan of the whole, looked at on one
+///             subassembly, is a plan for that, and travel adds up over parts.
 /// Guarantee.  Exact up to kTravelTolerance; a bound, if stopped, is proved.
 /// Cost.       Exponential; the states of FleetMakespanSearch times the ways to place them.
 class FleetTravelSearch {

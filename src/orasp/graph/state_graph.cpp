@@ -491,7 +491,7 @@ std::uint64_t StateGraph::bytes() const {
          wide_connections_.bytes() + rewards_.bytes();
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 std::uint64_t allowed_bytes(const Budget& budget) {
   const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));

@@ -13,8 +13,8 @@ namespace orasp {
 /// Finds a state of a StateGraph by what is open in it.
 ///
 /// Idea.       Open addressing over 4-byte numbers that point at the graph's own states; linear
-/// probing, at most half
-///             full. The states are different from each other, so filling it compares nothing.
+///             probing, at most half full. The states are different from each other, so filling it
+///             compares nothing.
 /// Guarantee.  find() is exact, and may be called by many threads at once.
 /// Cost.       O(states) to make, O(words of a state) expected to find.
 /// Held.       8 to 16 bytes a state.

@@ -32,7 +32,7 @@ using nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "orasp-problem/1";
 
-// ----------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // reading
 
 /// Where a value stands in the file. Places live on the stack, each pointing to the one around it,
@@ -458,7 +458,7 @@ ProblemSpec read_spec(JsonValue root) {
   return spec;
 }
 
-// ----------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // writing
 
 /// Whether to leave out what a reader would fill in by itself.

@@ -22,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Targets
 
 TargetRule::TargetRule(const DqnOptions& options, double scale, std::vector<double> baseline)
@@ -90,7 +90,7 @@ float TargetRule::target(const ReplayBuffer& replay, std::size_t place,
   return static_cast<float>(number_of(value, step.num_open));
 }
 
-// ------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Training
 
 namespace {

@@ -134,22 +134,20 @@ class TargetRule {
 /// Deep Q-learning.
 ///
 /// Idea.       A network estimates Q(s, a), what handling a in s and the best steps after it earn.
-/// Rounds of episodes,
-///             played side by side with some random actions, fill a replay buffer; gradient steps
-///             move the network towards the rewards seen plus the value of the state reached. Only
-///             legal actions are chosen, and only legal ones enter that value: every constraint is
-///             kept by construction.
+///             Rounds of episodes, played side by side with some random actions, fill a replay
+///             buffer; gradient steps move the network towards the rewards seen plus the value of
+///             the state reached. Only legal actions are chosen, and only legal ones enter that
+///             value: every constraint is kept by construction.
 /// Reference.  The paper, "Reinforcement learning methods"; Mnih et al. (2015), Nature 518,
-/// 529-533; double Q: van
-///             Hasselt, Guez and Silver (2016), AAAI, 2094-2100; several steps: Sutton (1988),
-///             Machine Learning 3, 9-44; returns as lower bounds: He, Liu, Schwing and Peng (2017),
-///             ICLR; curriculum: the paper.
+///             529-533; double Q: van Hasselt, Guez and Silver (2016), AAAI, 2094-2100; several
+///             steps: Sutton (1988), Machine Learning 3, 9-44; returns as lower bounds: He, Liu,
+///             Schwing and Peng (2017), ICLR; curriculum: the paper.
 /// Guarantee.  Every plan is legal. None of optimality from learning; Optimal where the plan earns
-/// an upper bound
-///             (BoundKind::Best), Infeasible only by the search for a first plan.
+///             an upper bound (BoundKind::Best), Infeasible only by the search for a first plan.
 /// Cost.       updates_per_step gradient steps for each step of a round, and a pass of the network
-/// for each state met. Repeatable. The same seed gives the same run on the same machine and
-/// libraries, time limits aside.
+///             for each state met.
+/// Repeatable. The same seed gives the same run on the same machine and libraries, time limits
+/// aside.
 ///
 /// @throws InputError if the module with the network is missing (network_available()), or for a
 /// value that makes no sense.

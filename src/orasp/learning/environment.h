@@ -19,8 +19,7 @@ void indicate(SetView open, std::span<float> indicator);
 /// environments (Towers et
 ///            al. 2024, arXiv:2407.17032).
 /// Cost.      The actions of all episodes that moved are worked out together, when the first is
-/// asked for: as
-///            Expander::for_each_expansion. Memory: O(episodes * connections).
+///            asked for: as Expander::for_each_expansion. Memory: O(episodes * connections).
 ///
 ///     Environment world(system, 32);
 ///     while (!world.over(0)) {

@@ -94,11 +94,10 @@ class PolicyEvaluator {
 /// (else the start) until only `forbidden` is left, which is never handled.
 ///
 /// Guarantee.  A plan if there is one (Feasible); Infeasible only after everything was tried: at a
-/// dead end it goes back
-///             one step and takes the next best. Optimal where the plan earns an upper bound
-///             (BoundKind::Best).
+///             dead end it goes back one step and takes the next best. Optimal where the plan earns
+///             an upper bound (BoundKind::Best).
 /// Cost.       One pass of the network for each state met; without dead ends one for each
-/// connection.
+///             connection.
 /// @throws InputError if the policy is for another number of connections.
 [[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
                                    const Budget& budget);

@@ -15,7 +15,7 @@ namespace orasp {
 ///
 /// Reference. Lin (1992), Machine Learning 8, 293-321; Mnih et al. (2015), Nature 518, 529-533.
 /// Cost.      bytes_per_step(connections) each: the state, and the rewards of its legal actions,
-/// which are its mask too.
+///            which are its mask too.
 class ReplayBuffer {
  public:
   /// One step of an episode that is over.

@@ -81,7 +81,7 @@ class Builder {
  private:
   static constexpr std::size_t kNoPiece = static_cast<std::size_t>(-1);
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // The structure: what is there at the start and at the end, and which removals can or must
   // separate.
 
@@ -149,7 +149,7 @@ class Builder {
     return std::ranges::find(always_cuts_, c) == always_cuts_.end();
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Rewards, as the rules give them.
 
   [[nodiscard]] std::size_t completing_step() const { return assembly_ ? 1 : n_; }
@@ -226,7 +226,7 @@ class Builder {
     return std::ranges::any_of(problem_.blockers(), [](const auto& list) { return !list.empty(); });
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Steps: each connection once, one in each step.
 
   void add_steps() {
@@ -317,7 +317,7 @@ class Builder {
     }
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Labels: the piece of each part in each state, by the first part of the piece.
 
   /// Whether l may label the piece of i.
@@ -424,7 +424,7 @@ class Builder {
     }
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Sizes: how many pieces of k parts there are, and what each step splits.
 
   [[nodiscard]] bool may_split(std::size_t a, const std::vector<double>& masses) const {
@@ -519,7 +519,7 @@ class Builder {
     }
   }
 
-  // -------------------------------------------------------------------------------------------------------------------
+  // -----------------------------------------------------------------------------------------------
   // Sides: which parts a cut has on the side of its connection's first part and on that of its
   // second.
 

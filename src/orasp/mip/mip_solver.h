@@ -48,13 +48,14 @@ struct MipSettings {
 /// Branch and cut for a MipModel by CBC, on one thread.
 ///
 /// Reference.  Forrest and Lougee-Heimer (2005), CBC User Guide, INFORMS; Land and Doig (1960),
-/// Econometrica 28, 497-520. Guarantee.  Exact within the solver's tolerances: rows hold to 1e-7,
-/// whole numbers to 1e-6, and a better solution may
-///             be missed by less than 1e-7 of the greatest term of the objective. Values of whole
-///             columns are rounded.
+///             Econometrica 28, 497-520.
+/// Guarantee.  Exact within the solver's tolerances: rows hold to 1e-7, whole numbers to 1e-6, and
+///             a better solution may be missed by less than 1e-7 of the greatest term of the
+///             objective. Values of whole columns are rounded.
 /// Threads.    One model at a time in a process: CBC is not made for more. A second waits, and may
-/// be stopped meanwhile. Repeatable. The same model gives the same answer on the same machine and
-/// library, unless it is stopped.
+///             be stopped meanwhile.
+/// Repeatable. The same model gives the same answer on the same machine and library, unless it is
+/// stopped.
 ///
 /// Lives in a module of its own, which is loaded when the first model is solved: linked in, it
 /// would slow every start of the program.

@@ -58,7 +58,7 @@ struct TransitionSystem::Rules : detail::Rules {
   using detail::Rules::Rules;
 };
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// Scratch memory of one thread, and the rules applied to facts.
 struct Expander::Scratch {
@@ -73,8 +73,10 @@ struct Expander::Scratch {
   std::vector<std::uint64_t> present_words;  ///< where what is there differs from the open set
   std::vector<std::uint64_t> present_batch;  ///< the same for several states
   detail::Connectivity connectivity;
-  Side a;  ///< parts of A and B of the step at hand; set by whoever makes its Facts, if
-           ///< rules.needs_sides
+  Side
+      /// Parts of A and B of the step at hand; set by whoever makes its Facts, if
+      /// rules.needs_sides.
+      a;
   Side b;
   std::vector<unsigned char> mark;  ///< by part; all 0 between uses
   std::vector<PartIndex> fill_a;
@@ -488,7 +490,7 @@ Step Expander::Scratch::full_step(const Facts& facts) const {
   return step;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 Expander::Expander(const TransitionSystem& system)
     : system_(system), scratch_(std::make_unique<Scratch>(system.problem_, *system.rules_)) {}
@@ -677,7 +679,7 @@ DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection
   return of_a;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Pieces on their own.
 
 double Expander::own_reward(ConnectionIndex connection) {
@@ -810,7 +812,7 @@ double Expander::completion_surplus(ConnectionIndex connection) {
   return last - s.reward(facts);
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 TransitionSystem::TransitionSystem(const Problem& problem)
     : TransitionSystem(problem, Situation::whole(problem.num_connections())) {}

@@ -15,16 +15,17 @@ struct AStarOptions {
 /// most.
 ///
 /// Idea.       f(s) = g(s) + h(s), g the best reward from the start and h an upper bound on what is
-/// left
-///             (bounds/bounds.h). Nothing that promises less than the optimum is ever expanded. All
-///             paths to a state have the same length, and h is consistent, so a state is expanded
-///             once but for rounding. Values of f that differ by less than kRewardTolerance are
-///             equal, and among equals the state nearest to the goal comes first, then the latest.
+///             left (bounds/bounds.h). Nothing that promises less than the optimum is ever
+///             expanded. All paths to a state have the same length, and h is consistent, so a state
+///             is expanded once but for rounding. Values of f that differ by less than
+///             kRewardTolerance are equal, and among equals the state nearest to the goal comes
+///             first, then the latest.
 /// Reference.  Hart, Nilsson and Raphael (1968), IEEE Trans. Systems Science and Cybernetics 4(2),
-/// 100-107. Guarantee.  Exact. Stopped early: the greedy plan, and the greatest f still open as a
-/// proved bound. Cost.       Held per state generated: its key, 12 to 24 bytes of index, 8 for g, 2
-/// for the step that led there; 16 an
-///             open entry.
+///             100-107.
+/// Guarantee.  Exact. Stopped early: the greedy plan, and the greatest f still open as a proved
+///             bound.
+/// Cost.       Held per state generated: its key, 12 to 24 bytes of index, 8 for g, 2 for the step
+///             that led there; 16 an open entry.
 /// Limit.      Memory, by budget.max_bytes.
 /// Repeatable. No random numbers; one thread.
 /// @throws InputError where the bound knows nothing about the problem.

@@ -700,8 +700,10 @@ class Search {
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
-  bool bounded_;  ///< some bound on what a piece gains is known; else losses are counted from 0 and
-                  ///< may be negative
+  bool
+      /// Some bound on what a piece gains is known; else losses are counted from 0 and may be
+      /// negative.
+      bounded_;
   bool by_sizes_;
   bool by_connection_;
   bool limited_;

@@ -20,31 +20,32 @@ struct AndOrOptions {
 /// Finds an optimal plan piece by piece: AND/OR search over connected sets of parts.
 ///
 /// Problem.    Where the objective sees the piece only (TransitionSystem::sees_piece_only) the
-/// pieces of a state no
-///             longer matter to each other, except through precedence across pieces and
-///             max_subassemblies. So the best gain of a piece S is V(S) = max over legal cuts of S
-///             into connected A and B of gain(A, B) + V(A) + V(B): a choice of one cut (OR) that
-///             leaves both sides to solve (AND). Connected sets of parts are exponentially fewer
-///             than the states of H, where every piece stands beside every state of the others.
+///             pieces of a state no longer matter to each other, except through precedence across
+///             pieces and max_subassemblies. So the best gain of a piece S is V(S) = max over legal
+///             cuts of S into connected A and B of gain(A, B) + V(A) + V(B): a choice of one cut
+///             (OR) that leaves both sides to solve (AND). Connected sets of parts are
+///             exponentially fewer than the states of H, where every piece stands beside every
+///             state of the others.
 /// Idea.       Depth first with a memory. Loss L(S) = g(S) - V(S) >= 0 against the bound g of
-/// bounds/bounds.h; a cut is
-///             followed only while its own loss and the lower bounds on the losses of its sides
-///             stay within a budget, which grows from 0 at the root (iterative deepening); sizes of
-///             A that lose more are never listed. Within max_subassemblies one side is finished
-///             before the other is begun, which needs the fewest at a time (Sethi and Ullman 1970),
-///             so a memory entry is a set of parts and the number allowed to it.
+///             bounds/bounds.h; a cut is followed only while its own loss and the lower bounds on
+///             the losses of its sides stay within a budget, which grows from 0 at the root
+///             (iterative deepening); sizes of A that lose more are never listed. Within
+///             max_subassemblies one side is finished before the other is begun, which needs the
+///             fewest at a time (Sethi and Ullman 1970), so a memory entry is a set of parts and
+///             the number allowed to it.
 /// Reference.  AND/OR search: Nilsson (1980), Principles of Artificial Intelligence, ch. 3; for
-/// assembly: Homem de Mello
-///             and Sanderson (1991), IEEE Trans. Robotics and Automation 7(2), 228-240. Iterative
-///             deepening: Korf (1985), Artificial Intelligence 27(1), 97-109.
+///             assembly: Homem de Mello and Sanderson (1991), IEEE Trans. Robotics and Automation
+///             7(2), 228-240. Iterative deepening: Korf (1985), Artificial Intelligence 27(1),
+///             97-109.
 /// Guarantee.  The bound is proved at any time, since what is left out (precedence across pieces;
-/// `after_any`;
-///             connections removed early) only takes choices away. Where the cut tree found can be
-///             carried out as legal steps that earn as much, the plan is Optimal; elsewhere there
-///             is no plan of this method's own (Unknown). Infeasible where no piece can be cut.
+///             `after_any`; connections removed early) only takes choices away. Where the cut tree
+///             found can be carried out as legal steps that earn as much, the plan is Optimal;
+///             elsewhere there is no plan of this method's own (Unknown). Infeasible where no piece
+///             can be cut.
 /// Cost.       Exponential at worst in the parts. A table entry: the set of parts, 8 bytes and 12
-/// to 24 of index. Limit.      Disassembly, at most kAndOrMostParts parts, objectives that see the
-/// piece only. Repeatable. Ties go to the cut listed first.
+///             to 24 of index.
+/// Limit.      Disassembly, at most kAndOrMostParts parts, objectives that see the piece only.
+/// Repeatable. Ties go to the cut listed first.
 /// @throws InputError where the objective or the direction does not allow it: the sentence says
 /// which methods do.
 [[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,

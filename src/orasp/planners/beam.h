@@ -15,24 +15,23 @@ struct BeamOptions {
 /// Finds better and better plans by complete anytime beam search, of any objective and at any size.
 ///
 /// Idea.       Layer by layer, one for each step; of each layer only the `width` states that
-/// promise most are kept:
-///             those with the greatest reward so far plus bound on the rest. The width doubles from
-///             pass to pass. A state that cannot beat the best plan found is left out for good; one
-///             that finds no room is not, and the greatest promise among those is a bound on what
-///             the pass has not seen. Equal promises are ordered by a hash of the state, another in
-///             each pass.
+///             promise most are kept: those with the greatest reward so far plus bound on the rest.
+///             The width doubles from pass to pass. A state that cannot beat the best plan found is
+///             left out for good; one that finds no room is not, and the greatest promise among
+///             those is a bound on what the pass has not seen. Equal promises are ordered by a hash
+///             of the state, another in each pass.
 /// Reference.  Zhang (1998), Complete anytime beam search, AAAI; Libralesso, Bouhassoun, Cambazard
-/// and Jost (2020), Tree
-///             search for the sequential ordering problem, ECAI; Kuroiwa and Beck (2023), Solving
-///             domain-independent dynamic programming problems with anytime heuristic search,
-///             ICAPS.
+///             and Jost (2020), Tree search for the sequential ordering problem, ECAI; Kuroiwa and
+///             Beck (2023), Solving domain-independent dynamic programming problems with anytime
+///             heuristic search, ICAPS.
 /// Guarantee.  A plan in milliseconds, never a worse one later. Optimal when a pass left nothing
-/// out for want of room, or
-///             when the best plan meets the bound. Where no bound is known only the first of these
-///             proves.
+///             out for want of room, or when the best plan meets the bound. Where no bound is known
+///             only the first of these proves.
 /// Cost.       A pass: O(width * connections) expansions; memory O(width * connections) steps and
-/// the layer's states. Limit.      Memory, by budget.max_bytes. Repeatable. The same for any number
-/// of threads: a layer's states are expanded in parallel and merged in order.
+///             the layer's states.
+/// Limit.      Memory, by budget.max_bytes.
+/// Repeatable. The same for any number of threads: a layer's states are expanded in parallel and
+/// merged in order.
 [[nodiscard]] Result beam(const TransitionSystem& system, const BeamOptions& options,
                           const Budget& budget);
 

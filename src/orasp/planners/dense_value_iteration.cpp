@@ -111,7 +111,7 @@ struct FixedPoint {
   static Value plus(Value reward, Value left) { return left == kNever ? kNever : reward + left; }
 };
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 bool sees_whole_pieces(const Objective& objective) {
   if (std::holds_alternative<CubesatZone>(objective.parameters)) return true;
@@ -336,7 +336,7 @@ class ForestBlocks {
   double error_ = 0;
 };
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// The order of work: masks are a block number above block_bits low bits; blocks are sorted by
 /// their number of ones.

@@ -21,9 +21,8 @@ struct DenseValueIterationOptions {
 ///
 /// Problem.    Maximise the sum of rewards from the start to the goal.
 /// Idea.       A state is the bit mask of its open connections, and its value stands at that place
-/// of
-///             one array: V[mask] = max over legal c of r(mask, c) + V[mask without c], V[0] = 0.
-///             No state, no action and no reward is stored, nothing is hashed. A successor is a
+///             of one array: V[mask] = max over legal c of r(mask, c) + V[mask without c], V[0] =
+///             0. No state, no action and no reward is stored, nothing is hashed. A successor is a
 ///             smaller number, so ascending masks need one sweep. The low bits of a mask make a
 ///             block that fits in the cache; blocks whose high bits are equally many are
 ///             independent of each other and shared among the threads, and each reads the blocks
@@ -32,18 +31,17 @@ struct DenseValueIterationOptions {
 ///             worked out at once, in bytes.
 /// Fixed point. Four bytes a state where eight would be too many. The unit is the least power of
 /// ten
-///             in which no sum of rewards can overflow, by TransitionSystem::reward_range, or,
-///             where that is unknown, by the rewards met (a coarser unit and another sweep if one
-///             is too large). Decimal rewards, such as all of `cubesat`, are whole multiples:
-///             nothing is rounded. Otherwise each step is off by at most half a unit, and the value
-///             of the start plus the sum of the errors is the bound.
+///             in which no sum of rewards can overflow, by TransitionSystem::reward_range, or, where
+///             that is unknown, by the rewards met (a coarser unit and another sweep if one is too
+///             large). Decimal rewards, such as all of `cubesat`, are whole multiples: nothing is
+///             rounded. Otherwise each step is off by at most half a unit, and the value of the start
+///             plus the sum of the errors is the bound.
 /// Reference.  Bellman (1957); over all subsets: Held, Karp (1962), J. SIAM 10(1), 196-210.
 /// Guarantee.  Exact: Optimal, or Infeasible. In fixed point with rewards that are not whole
 ///             multiples: Feasible with a proved bound, at most connections * unit above the plan,
 ///             unless the two meet.
 /// Cost.       2^n states for n connections, constraints or not; time 2^(n-1) n actions; memory 8
-/// or
-///             4 bytes a state. `iss` (31 connections): docs/performance.md.
+///             or 4 bytes a state. `iss` (31 connections): docs/performance.md.
 /// Limit.      Memory: 28 to 32 connections. Result::values stays empty: they are by mask, not by
 ///             StateId.
 /// Repeatable. Ties go to the lowest connection; any number of threads gives the same bytes.

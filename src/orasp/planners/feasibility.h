@@ -23,24 +23,22 @@ struct Feasibility {
 /// these backwards). Rewards do not matter.
 ///
 /// Idea.       Depth first with a table of failed states, and few branches: a cut that can do no
-/// harm is made at once
-///             and nothing else is tried in that state. A legal removal of c that cuts a piece is
-///             harmless unless a limit grows worse with more cuts. Proof: let p be any legal order
-///             from here, and make c first. c is in no cycle, so every other connection separates
-///             exactly when it did in p, and its piece is the one of p or a part of it, cut into
-///             parts of p's A and B. Precedence only asks for absence. Parts that were free of each
-///             other stay so, and the smaller side stays as small; with equal masses it stays as
-///             light. Only the number of subassemblies may grow, and not if c cuts off a single
-///             part: its piece counted one with it and counts at most one without it. So with a
-///             limit on subassemblies that can be exceeded only single parts are cut at once; with
-///             a limit on unequal masses, nothing is (what is smaller may be heavier). Where no
-///             constraint judges cuts every legal removal is harmless.
+///             harm is made at once and nothing else is tried in that state. A legal removal of c
+///             that cuts a piece is harmless unless a limit grows worse with more cuts. Proof: let
+///             p be any legal order from here, and make c first. c is in no cycle, so every other
+///             connection separates exactly when it did in p, and its piece is the one of p or a
+///             part of it, cut into parts of p's A and B. Precedence only asks for absence. Parts
+///             that were free of each other stay so, and the smaller side stays as small; with
+///             equal masses it stays as light. Only the number of subassemblies may grow, and not
+///             if c cuts off a single part: its piece counted one with it and counts at most one
+///             without it. So with a limit on subassemblies that can be exceeded only single parts
+///             are cut at once; with a limit on unequal masses, nothing is (what is smaller may be
+///             heavier). Where no constraint judges cuts every legal removal is harmless.
 /// Guarantee.  Complete: Infeasible is a proof.
 /// Cost.       O(connections * (parts + connections)) where nothing has to be tried twice, and the
-/// number of subsets
-///             of connections in the worst case. (Already whether an assembly in the plane falls
-///             into two connected parts is NP-complete: Kavraki, Latombe and Wilson 1993, Inf.
-///             Proc. Letters 48(5), 229-235.)
+///             number of subsets of connections in the worst case. (Already whether an assembly in
+///             the plane falls into two connected parts is NP-complete: Kavraki, Latombe and Wilson
+///             1993, Inf. Proc. Letters 48(5), 229-235.)
 [[nodiscard]] Feasibility find_order(const Problem& problem, const ConnectionSet& from,
                                      const ConnectionSet& to, const Budget& budget);
 

@@ -38,7 +38,7 @@ bool reaches(double reward, double bound) {
   return bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // A plan
 
 /// The pieces of the product in the plan's most connected state, a label for each part, and how
@@ -244,7 +244,7 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
   return document;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // H
 
 using WordsKey = std::vector<std::uint64_t>;
@@ -364,7 +364,7 @@ ordered_json graph_json(const TransitionSystem& system, const Report& report) {
   return json;
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Learning and samples
 
 ordered_json learning_json(const std::vector<LearningPoint>& points) {
@@ -383,9 +383,8 @@ ordered_json learning_json(const std::vector<LearningPoint>& points) {
   return {{"rounds", points.size()}, {"points", std::move(list)}};
 }
 
-/// The density of the rewards at even places, as [reward, density], by Gaussian kernels.
-/// Reference. Silverman (1986), Density Estimation for Statistics and Data Analysis, p. 48 (the
-/// width).
+/// The density of the rewards at even places, as [reward, density], by Gaussian kernels. Reference.
+/// Silverman (1986), Density Estimation for Statistics and Data Analysis, p. 48 (the width).
 ordered_json density_json(const ReportSample& sample) {
   const auto n = static_cast<double>(sample.rewards.size());
   const double spread =
@@ -423,7 +422,7 @@ ordered_json sample_json(const std::optional<ReportSample>& sample) {
           {"density", density_json(*sample)}};
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // What is proved, in words
 
 ordered_json best_json(const Problem& problem, const Report& report) {

@@ -51,8 +51,8 @@ struct Statistics {
   std::uint64_t reopened = 0;   ///< states met again by a better path
   std::uint64_t pruned =
       0;  ///< successors abandoned by a bound, or met again no better than before
-  std::uint64_t sweeps =
-      0;  ///< passes over all states (value iteration, Bellman-Ford); episodes of a learner
+  /// Passes over all states (value iteration, Bellman-Ford); episodes of a learner.
+  std::uint64_t sweeps = 0;
   double seconds = 0;            ///< wall time of the planner
   std::uint64_t peak_bytes = 0;  ///< greatest size of the planner's own tables
 };
