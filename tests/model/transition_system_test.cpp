@@ -420,8 +420,8 @@ TEST(FuelObjective, IsTheRocketEquationOutEmptyAndBackLoaded) {
   ProblemSpec spec = instances::chain_of_three();
   spec.objective = Objective::named("fuel");
   EXPECT_NEAR(step_after(spec, {}, "1-2").reward, -13 * std::expm1(30 / (200 * 9.80665)), 1e-12);
-  EXPECT_NEAR(step_after(spec, {}, "1-2").reward, -0.200373,
-              5e-7);  // 3piece of reference.md: two such steps, -0.400746
+  // Two such steps are the best plan of `3piece`, which earns -0.400746.
+  EXPECT_NEAR(step_after(spec, {}, "1-2").reward, -0.200373, 5e-7);
 }
 
 // 1 ) - 2: the connection of part 1 to itself separates nothing and is bound by precedence alone;

@@ -98,8 +98,8 @@ TEST(AndOr, ProvesTheKnownValues) {
   }
 }
 
-// reference.md, "Best rewards of the same scenarios under other objectives": without `indexed`,
-// which sees more than the piece. Six decimals.
+// The best rewards of the scenarios under other objectives, to six decimals, found by exhaustive
+// search on the whole state-action graph. `indexed` is left out, since it sees more than the piece.
 TEST(AndOr, ProvesTheKnownValuesOfOtherObjectives) {
   struct Row {
     const char* scenario;

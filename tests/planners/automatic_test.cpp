@@ -121,8 +121,8 @@ TEST_P(PublishedProblems, AreAllProvedOptimalOrInfeasible) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "minutes under a sanitizer; the release build runs it";
 #endif
-  // 011, 023, 069: reference.md, by exhaustive search. The others meet the bound over sizes, which
-  // no plan can exceed.
+  // 011, 023 and 069 were found by exhaustive search. The others meet the bound over sizes, which no
+  // plan can exceed.
   const std::map<std::string, double> known = {
       {"lego-009.json", -3.1176}, {"lego-011.json", -0.4100}, {"lego-023.json", 0.0735},
       {"lego-025.json", -3.0209}, {"lego-033.json", -3.1176}, {"lego-041.json", -2.9242},

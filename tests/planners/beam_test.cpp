@@ -31,7 +31,7 @@ Budget expansions(std::uint64_t most) {
   return budget;
 }
 
-// Reference.md: the bound that peeling single parts meets.
+// The bound that peeling single parts meets.
 TEST(Beam, ProvesTheSpaceStationAndTheTelescope) {
   const std::pair<const char*, double> known[] = {
       {"iss", -2.1506}, {"iss-upc", -2.1506}, {"jwst", -16.7118}, {"jwst-upc", -16.7118}};

@@ -123,8 +123,7 @@ class PieceGains {
   [[nodiscard]] double surplus_of_cut() const { return surplus_of_cut_; }
 
   /// By sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the smaller
-  /// of a, b at most max_moved_parts. Reference: reference.md, "Exact values"; the recursion is
-  /// Bellman's over sizes.
+  /// of a, b at most max_moved_parts. The recursion is Bellman's over sizes.
   [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
   /// The same for a piece that falls into `arms` components without some part v: each side of a cut
   /// without v lies within one of them, so v sees at least as many cuts as there are arms:

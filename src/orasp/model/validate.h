@@ -29,7 +29,7 @@ struct Evaluation {
 /// Replays `sequence` (connection ids in the order of the problem's direction) and reports
 /// everything that is wrong with it: unknown ids, repeated connections, missing ones, every
 /// violated constraint. Shares nothing with the planners; each step is judged on its own by
-/// Expander::step and Expander::violations, which follow the definitions of the contract and not
+/// Expander::step and Expander::violations, which follow the definitions of docs/format.md and not
 /// the one-pass analysis that planners use. O(steps * (parts + connections)).
 [[nodiscard]] Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence);
 [[nodiscard]] Evaluation evaluate(const Problem& problem,

@@ -1,0 +1,269 @@
+#!/usr/bin/env python3
+"""Checks the JSON Schemas of schemas/ against the files of the tree, what the program writes, and what it refuses.
+
+    tests/io/schema_test.py PROGRAM [unittest's arguments]
+
+Skipped (exit code 77) where python3-jsonschema is missing.
+"""
+import copy
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+try:
+    import jsonschema
+except ImportError:
+    print("skipped: the module jsonschema is missing (Debian: python3-jsonschema)")
+    sys.exit(77)
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = ""
+# Problems kept beside the repository, which a copy of it need not have.
+SHARED = [ROOT.parent / "shared" / "problems", ROOT.parent / "shared" / "field"]
+
+
+def schema_of(name):
+    return json.loads((ROOT / "schemas" / f"{name}.schema.json").read_text(encoding="utf-8"))
+
+
+def faults(name, document):
+    """Why `document` does not fit the schema, a line each."""
+    validator = jsonschema.Draft202012Validator(schema_of(name))
+    return [f"{list(error.absolute_path)}: {error.message[:200]}" for error in validator.iter_errors(document)]
+
+
+def orasp(*arguments, text=""):
+    done = subprocess.run([PROGRAM, *arguments], input=text, capture_output=True, text=True, timeout=120)
+    return done.returncode, done.stdout
+
+
+def problem_files():
+    files = [*(ROOT / "data").rglob("*.json"), *(ROOT / "examples").rglob("*.json")]
+    return sorted(file for file in files if '"orasp-problem/1"' in file.read_text(encoding="utf-8"))
+
+
+# A problem with every key that one can have.
+FULL = {
+    "format": "orasp-problem/1", "name": "full", "note": "all keys", "source": "this test", "x-other": {"any": [1]},
+    "parts": [{"id": "1", "name": "one", "mass": 2.5, "position": [0, 0, 0], "note": "n", "x-color": 3},
+              {"id": "2", "position": [1, 0, 0]}, {"id": "3", "position": [2, 0, 0]}],
+    "connections": [{"id": "a", "parts": ["1", "2"], "duration": 2, "success": 0.5, "axis": "+x",
+                     "on_failure": {"breaks": ["2-3"]}},
+                    {"parts": ["2", "3"], "success": 0.5, "on_failure": {"abort": -3}},
+                    {"id": "c", "parts": ["1", "3"], "success": 0.5, "on_failure": "retry"}],
+    "precedence": [{"connection": "a", "after": ["c"], "after_any": ["2-3", "c"], "note": "n"}],
+    "blocking": {"directions": ["+x", "-x"], "blocked": [{"part": "1", "by": "2", "directions": ["+x"]}]},
+    "limits": {"max_subassemblies": 2, "max_moved_parts": 2.0, "max_moved_mass": 9.5},
+    "objective": {"type": "sum", "terms": [
+        {"type": "cubesat", "weight": 2}, {"type": "cubesat_zone"}, {"type": "custom"}, {"type": "indexed"},
+        {"type": "piece_cost", "operation": 1, "pieces": {"1": 0.5, "16384": 1, "note": "n"}, "completion": 2},
+        {"type": "time", "depot": [0, 0, 0], "speed": 2, "transfer": 0},
+        {"type": "travel", "depot": [1, 2, 3], "weight": 0.5},
+        {"type": "fuel", "dry_mass": 1, "delta_v": 2, "isp": 3},
+        {"type": "completion", "join": 1, "step": 2, "bonus": 3},
+        {"type": "expression", "formula": "after * c1", "constants": {"c1": 2, "x-ignored": "text"}, "depot": [0, 0, 0]},
+        {"type": "sum", "terms": [{"type": "indexed"}]}]},
+    "direction": "disassembly",
+}
+ABSENT = object()
+# What is changed in FULL: the path to a value, and what stands there instead (ABSENT: nothing).
+HOSTILE = [
+    (["format"], "orasp-problem/2"), (["format"], ABSENT), (["parts"], ABSENT), (["connections"], {}),
+    (["name"], 3), (["note"], 3), (["unknown"], 1), (["direction"], "sideways"),
+    (["parts", 0, "id"], 1), (["parts", 0, "id"], ""), (["parts", 0, "id"], " 1"), (["parts", 0, "id"], "1\u0007"),
+    (["parts", 0, "id"], ABSENT), (["parts", 0, "mass"], -1), (["parts", 0, "mass"], "heavy"),
+    (["parts", 0, "position"], [0, 0]), (["parts", 0, "weight"], 1), (["parts", 0], "1"),
+    (["connections", 0, "parts"], ["1"]), (["connections", 0, "parts"], ["1", "2", "3"]),
+    (["connections", 0, "parts"], ABSENT), (["connections", 0, "duration"], -0.5),
+    (["connections", 0, "success"], 0), (["connections", 0, "success"], 1.5), (["connections", 0, "axis"], "x"),
+    (["connections", 0, "on_failure"], "explode"), (["connections", 0, "on_failure"], {}),
+    (["connections", 0, "on_failure"], {"breaks": []}), (["connections", 0, "on_failure"], {"breaks": ["c"], "abort": 1}),
+    (["precedence", 0], {"connection": "a"}), (["precedence", 0, "after_any"], []),
+    (["precedence", 0, "connection"], ABSENT), (["precedence", 0, "before"], ["c"]),
+    (["blocking", "directions"], ["+x"]), (["blocking", "directions"], ["+x", "-x", "+x"]),
+    (["blocking", "blocked"], ABSENT), (["blocking", "blocked", 0, "directions"], ["up"]),
+    (["limits", "max_subassemblies"], -1), (["limits", "max_moved_parts"], 1.5), (["limits", "max_moved_mass"], -1),
+    (["limits", "max_moved_part"], 1), (["limits"], []),
+    (["objective"], "cubesat"), (["objective"], {}), (["objective"], {"type": "cubsat"}),
+    (["objective"], {"type": "cubesat", "weight": 2}), (["objective"], {"type": "cubesat", "completion": 1}),
+    (["objective"], {"type": "piece_cost", "pieces": {"0": 1}}),
+    (["objective"], {"type": "piece_cost", "pieces": {"16385": 1}}),
+    (["objective"], {"type": "time", "speed": 0}), (["objective"], {"type": "time", "transfer": -1}),
+    (["objective"], {"type": "travel", "depot": [1, 2]}), (["objective"], {"type": "fuel", "isp": 0}),
+    (["objective"], {"type": "fuel", "dry_mass": -1}), (["objective"], {"type": "expression"}),
+    (["objective"], {"type": "expression", "formula": 3}), (["objective"], {"type": "expression", "formula": ""}),
+    (["objective"], {"type": "expression", "formula": "a", "constants": {"a": "1"}}),
+    (["objective"], {"type": "expression", "formula": "1", "constants": {"2a": 1}}),
+    (["objective"], {"type": "sum"}), (["objective"], {"type": "sum", "terms": [{"weight": 1}]}),
+    (["fleet"], {}), (["fleet"], {"robots": 0}), (["fleet"], {"robots": 1.5}), (["fleet"], {"robots": 1, "depot": [0]}),
+    (["fleet"], {"robots": 1, "sites": [[1, 2, 3]]}), (["fleet"], {"robots": 1, "speed": 1}),
+]
+
+
+def changed(document, path, value):
+    document = copy.deepcopy(document)
+    at = document
+    for key in path[:-1]:
+        at = at[key]
+    if value is ABSENT:
+        del at[path[-1]]
+    else:
+        at[path[-1]] = value
+    return document
+
+
+class Schemas(unittest.TestCase):
+    def test_are_schemas(self):
+        names = sorted(path.name for path in (ROOT / "schemas").iterdir())
+        self.assertEqual(len(names), 4)
+        for name in names:
+            schema = json.loads((ROOT / "schemas" / name).read_text(encoding="utf-8"))
+            jsonschema.Draft202012Validator.check_schema(schema)
+            self.assertEqual(schema["$id"], name)
+            self.assertFalse(schema["$defs"].keys() - self.referred(schema), "a definition that nothing uses")
+
+    def referred(self, schema):
+        if isinstance(schema, list):
+            return {name for item in schema for name in self.referred(item)}
+        if not isinstance(schema, dict):
+            return set()
+        own = {schema["$ref"].removeprefix("#/$defs/")} if isinstance(schema.get("$ref"), str) else set()
+        return own | {name for item in schema.values() for name in self.referred(item)}
+
+
+class Problems(unittest.TestCase):
+    def test_every_file_of_the_tree_fits(self):
+        files = problem_files()
+        self.assertGreater(len(files), 15)
+        for file in files:
+            with self.subTest(file=file.name):
+                self.assertEqual(faults("orasp-problem-1", json.loads(file.read_text(encoding="utf-8"))), [])
+
+    def test_every_scenario_that_the_program_prints_fits(self):
+        for name in ["hubble", "jwst-upc", "fleet-iss", "grid:3x3", "random:6:7:3"]:
+            with self.subTest(name=name):
+                self.assertEqual(faults("orasp-problem-1", json.loads(orasp("scenarios", name)[1])), [])
+
+    def test_files_kept_beside_the_repository_fit_where_the_program_takes_them(self):
+        files = sorted(file for folder in SHARED if folder.is_dir() for file in folder.rglob("*.json"))
+        if not files:
+            self.skipTest("there are none")
+        taken = 0
+        for file in files:
+            with self.subTest(file=file.name):
+                fits = faults("orasp-problem-1", json.loads(file.read_text(encoding="utf-8"))) == []
+                accepted = orasp("explain", str(file), "--time-limit", "0.001", "--quiet")[0] != 30
+                taken += accepted
+                self.assertEqual(fits, accepted)
+        self.assertGreater(taken, 100)
+
+    def judged(self, document):
+        """Whether the schema takes it, and whether the program does."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "problem.json"
+            file.write_text(json.dumps(document), encoding="utf-8")
+            return faults("orasp-problem-1", document) == [], orasp("evaluate", str(file), "-", text="[]")[0] != 30
+
+    def test_a_problem_with_all_keys_fits_and_is_taken(self):
+        self.assertEqual(self.judged(FULL), (True, True))
+        self.assertEqual(self.judged(dict(FULL, objective={"type": "cubesat"}, direction="assembly", connections=[
+            {"id": "a", "parts": ["1", "2"]}, {"parts": ["2", "3"]}, {"id": "c", "parts": ["1", "3"]}])), (True, True))
+
+    def test_hostile_problems_are_refused_by_both(self):
+        for path, value in HOSTILE:
+            with self.subTest(path=path, value=value if value is not ABSENT else "absent"):
+                self.assertEqual(self.judged(changed(FULL, path, value)), (False, False))
+
+
+class Plans(unittest.TestCase):
+    COMMANDS = [
+        ["solve", "hubble"], ["solve", "lattice", "--method", "beam"], ["solve", "jwst-upc"],
+        ["solve", "lattice", "--count"], ["solve", "lattice", "--alternatives", "3"],
+        ["solve", "examples/shelf.json", "--direction", "assembly"], ["solve", "examples/shelf-worn.json"],
+        ["solve", "examples/shelf-locked.json"], ["solve", "iss", "--method", "orasp-search", "--bound", "none", "--time-limit", "0.05"],
+        ["solve", "lattice", "--method", "q-learning", "--seed", "3"],
+        ["solve", "fleet-lattice"], ["solve", "fleet-hubble", "--method", "greedy"],
+        ["replan", "lattice", "--removed", "1-2", "--inaccessible", "2-3"],
+        ["replan", "hubble", "--removed", "1-2,2-3", "--objective", "time"],
+        ["replan", "lattice", "--inaccessible", "1-2,2-3,4-5", "--max-moved-parts", "1"],
+    ]
+
+    def plan(self, arguments):
+        done = subprocess.run([PROGRAM, *arguments, "--json", "--quiet"], cwd=ROOT, capture_output=True, text=True,
+                              timeout=120)
+        self.assertIn(done.returncode, (0, 10, 20), done.stderr)
+        return json.loads(done.stdout)
+
+    def test_what_the_program_prints_fits_and_has_no_key_that_the_schema_does_not_know(self):
+        known = schema_of("orasp-plan-1")["properties"].keys()
+        for arguments in self.COMMANDS:
+            with self.subTest(arguments=arguments):
+                plan = self.plan(arguments)
+                self.assertEqual(faults("orasp-plan-1", plan), [])
+                self.assertEqual(plan.keys() - known, set())
+
+    def test_what_replan_says_of_an_old_plan_fits(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = str(Path(folder) / "plan.json")
+            self.assertEqual(orasp("solve", "lattice", "-o", file)[0], 0)
+            self.assertEqual(faults("orasp-plan-1", json.loads(Path(file).read_text())), [])
+            plan = self.plan(["replan", "lattice", "--plan", file, "--done", "3", "--inaccessible", "5-8"])
+            self.assertEqual(faults("orasp-plan-1", plan), [])
+            self.assertIn("changes", plan)
+
+    def test_plans_that_the_program_refuses_do_not_fit(self):
+        good = {"format": "orasp-plan/1", "disassembly": ["1-2", "2-3"]}
+        for bad in [dict(good, format="orasp-plan/2"), {"disassembly": ["1-2"]}, {"format": "orasp-plan/1"},
+                    dict(good, disassembly="1-2"), dict(good, disassembly=[1, 2]), dict(good, problem_digest=7)]:
+            with self.subTest(plan=bad):
+                self.assertNotEqual(faults("orasp-plan-1", bad), [])
+                self.assertEqual(orasp("evaluate", "chain:3", "-", text=json.dumps(bad))[0], 30)
+        self.assertEqual(faults("orasp-plan-1", good), [])
+        self.assertNotEqual(orasp("evaluate", "chain:3", "-", text=json.dumps(good))[0], 30)
+
+    def test_fleet_plans_that_the_program_refuses_do_not_fit(self):
+        good = self.plan(["solve", "fleet-lattice"])
+        self.assertEqual(orasp("evaluate", "fleet-lattice", "-", text=json.dumps(good))[0], 0)
+        for path, value in [(["fleet", "objective"], "speed"), (["fleet", "objective"], ABSENT), (["steps"], ABSENT),
+                            (["steps", 0, "moves"], ABSENT), (["steps", 0, "moves", 0, "from"], "kitchen"),
+                            (["steps", 0, "moves", 0, "motion"], "up"), (["steps", 0, "connections", 0], 12),
+                            (["steps", 0, "moves", 0, "robots"], ["first"])]:
+            with self.subTest(path=path):
+                bad = changed(good, path, value)
+                self.assertNotEqual(faults("orasp-plan-1", bad), [])
+                self.assertEqual(orasp("evaluate", "fleet-lattice", "-", text=json.dumps(bad))[0], 30)
+
+
+class Policies(unittest.TestCase):
+    def test_a_policy_of_states_fits(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "policy.json"
+            self.assertEqual(orasp("solve", str(ROOT / "examples/shelf-worn.json"), "-o", str(file))[0], 0)
+            policy = json.loads(file.read_text(encoding="utf-8"))
+        self.assertEqual(policy["format"], "orasp-state-policy/1")
+        self.assertEqual(faults("orasp-state-policy-1", policy), [])
+        self.assertEqual(policy.keys() - schema_of("orasp-state-policy-1")["properties"].keys(), set())
+        for path, value in [(["format"], "orasp-policy/1"), (["problem_digest"], "x"), (["states"], ABSENT),
+                            (["states", 0, "next"], 1), (["states", 0, "removed"], ABSENT)]:
+            self.assertNotEqual(faults("orasp-state-policy-1", changed(policy, path, value)), [], path)
+
+    def test_the_first_line_of_a_trained_policy_fits(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "lattice.policy"
+            code, _ = orasp("train", "lattice", "-o", str(file), "--episodes", "20", "--hidden", "8", "--quiet")
+            if code == 30:
+                self.skipTest("this build cannot train")
+            header = json.loads(file.read_bytes().split(b"\n", 1)[0])
+        self.assertEqual(faults("orasp-policy-1", header), [])
+        self.assertEqual(header.keys() - schema_of("orasp-policy-1")["properties"].keys(), set())
+        self.assertNotEqual(faults("orasp-policy-1", dict(header, scale=0)), [])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()
