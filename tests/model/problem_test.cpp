@@ -317,11 +317,34 @@ TEST(Objective, NamesTheKnownTypesAndTheNearest) {
   EXPECT_EQ(
       fault_of([] { return Objective::named("cubsat"); }),
       "no objective \"cubsat\"; objectives are piece_cost, cubesat, cubesat_zone, custom, indexed, "
-      "time, travel, fuel, completion, expression, sum; did you mean \"cubesat\"?");
+      "time, travel, fuel, completion, expression, sum, makespan, fleet_travel; did you mean "
+      "\"cubesat\"?");
   EXPECT_EQ(fault_of([] { return Objective::named("expression"); }),
             "the objective \"expression\" needs a formula");
   EXPECT_EQ(fault_of([] { return Objective::named("sum"); }),
             "the objective \"sum\" needs its terms");
+}
+
+TEST(Objective, OfAFleetNeedsAFleetAndStandsInNoSum) {
+  for (const std::string_view type : kFleetObjectiveTypes) {
+    SCOPED_TRACE(type);
+    EXPECT_TRUE(Objective::named(type).of_fleet());
+    ProblemSpec spec = five_parts();
+    spec.objective = Objective::named(type);
+    EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+              "objective.type: \"" + std::string(type) +
+                  "\" judges plans of several robots, and the problem has no \"fleet\"");
+    spec.fleet = Fleet{};
+    spec.fleet->robots = 2;
+    EXPECT_EQ(fault_of([&] { return Problem(spec); }), "no fault");
+    spec.objective = {"sum", WeightedSum{{{1, Objective{}}, {1, Objective::named(type)}}}};
+    EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+              "objective.terms[1].type: \"" + std::string(type) +
+                  "\" judges plans of several robots and cannot stand in a sum");
+  }
+  for (const std::string_view type : kObjectiveTypes) {
+    if (type != "expression" && type != "sum") EXPECT_FALSE(Objective::named(type).of_fleet());
+  }
 }
 
 TEST(Objective, RefusesATypeThatDoesNotFitItsParameters) {

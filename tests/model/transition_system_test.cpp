@@ -699,6 +699,24 @@ TEST(WideProblem, ChainInOnePieceHasDeadEndsInAssembly) {
   }
 }
 
+TEST(TransitionSystem, RefusesAnObjectiveOfAFleet) {
+  ProblemSpec spec;
+  spec.parts.resize(2);
+  spec.parts[0].id = "1";
+  spec.parts[1].id = "2";
+  spec.fleet = Fleet{};
+  spec.objective = Objective::named("makespan");
+  const Problem problem(spec);
+  try {
+    const TransitionSystem system(problem);
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "objective: \"makespan\" judges plans of several robots and no plan of one; name "
+                 "another objective, or plan for the fleet");
+  }
+}
+
 // The code for more than one word must agree with the oracle as the code for one word does; H is
 // that of the small problem with one state for each filler in front.
 TEST(WideProblem, AgreesWithTheOracleOnEmbeddedRandomProblems) {

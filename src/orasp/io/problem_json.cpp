@@ -415,7 +415,8 @@ Objective read_objective(JsonValue value, const Place& place, std::size_t sums_o
     const Members read = knows({"terms"});
     return finished(read, read_terms(read.require("terms"), Place(place, "terms"), sums_outside));
   }
-  const auto types = std::span<const std::string_view>(kObjectiveTypes);
+  std::vector<std::string_view> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  types.insert(types.end(), kFleetObjectiveTypes.begin(), kFleetObjectiveTypes.end());
   if (std::ranges::find(types, type) == types.end()) {
     fail(Place(place, "type"), fmt::format("no objective {}; objectives are {}{}", in_quotes(type),
                                            detail::listed(types), detail::suggestion(type, types)));

@@ -77,6 +77,8 @@ bool fits(const Objective& objective) {
                         [&](const Expression&) { return type == "expression"; },
                         [&](const Callable&) { return type == "callable"; },
                         [&](const WeightedSum&) { return type == "sum"; },
+                        [&](const Makespan&) { return type == "makespan"; },
+                        [&](const FleetTravel&) { return type == "fleet_travel"; },
                     },
                     objective.parameters);
 }
@@ -184,9 +186,16 @@ void check(const Objective& objective, const std::string& place, std::size_t sum
                    for (std::size_t i = 0; i < sum.terms.size(); ++i) {
                      const std::string term_place = place + ".terms[" + std::to_string(i) + "]";
                      require_finite(sum.terms[i].weight, term_place + ".weight");
+                     if (sum.terms[i].objective.of_fleet()) {
+                       fail(term_place + ".type", in_quotes(sum.terms[i].objective.type) +
+                                                      " judges plans of several robots and cannot "
+                                                      "stand in a sum");
+                     }
                      check(sum.terms[i].objective, term_place, sums_outside + 1);
                    }
                  },
+                 [](const Makespan&) {},
+                 [](const FleetTravel&) {},
              },
              objective.parameters);
 }
@@ -211,13 +220,21 @@ Objective Objective::named(std::string_view type) {
   if (type == "travel") return with(Travel{});
   if (type == "fuel") return with(Fuel{});
   if (type == "completion") return with(CompletionObjective{});
+  if (type == "makespan") return with(Makespan{});
+  if (type == "fleet_travel") return with(FleetTravel{});
   if (type == "expression") throw InputError("the objective \"expression\" needs a formula");
   if (type == "sum") throw InputError("the objective \"sum\" needs its terms");
   if (type == "callable")
     throw InputError("the objective \"callable\" needs a function of the step");
-  const auto known = std::span<const std::string_view>(kObjectiveTypes);
+  std::vector<std::string_view> known(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  known.insert(known.end(), kFleetObjectiveTypes.begin(), kFleetObjectiveTypes.end());
   throw InputError("no objective " + in_quotes(type) + "; objectives are " + detail::listed(known) +
                    detail::suggestion(type, known));
+}
+
+bool Objective::of_fleet() const {
+  return std::holds_alternative<Makespan>(parameters) ||
+         std::holds_alternative<FleetTravel>(parameters);
 }
 
 void check_objective(const Objective& objective, const std::string& place) {

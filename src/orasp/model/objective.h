@@ -82,6 +82,14 @@ struct Callable {
   double greatest = std::numeric_limits<double>::infinity();
 };
 
+/// `makespan`, of a fleet: -1 for every step of the plan, in which all robots may move. No
+/// parameters.
+struct Makespan {};
+
+/// `fleet_travel`, of a fleet: -(sum over all parts of the squared distance that they move in the
+/// step), in square metres. No parameters.
+struct FleetTravel {};
+
 struct WeightedObjective;
 
 /// `sum`: the weighted sum of other objectives.
@@ -94,8 +102,9 @@ struct WeightedSum {
 /// docs/format.md it is. Several types share a formula: `cubesat` and `custom` are PieceCost with their
 /// numbers filled in.
 struct Objective {
-  using Parameters = std::variant<PieceCost, CubesatZone, Indexed, TimeObjective, Travel, Fuel,
-                                  CompletionObjective, Expression, Callable, WeightedSum>;
+  using Parameters =
+      std::variant<PieceCost, CubesatZone, Indexed, TimeObjective, Travel, Fuel,
+                   CompletionObjective, Expression, Callable, WeightedSum, Makespan, FleetTravel>;
   std::string type;
   Parameters parameters;
 
@@ -106,6 +115,9 @@ struct Objective {
   /// An objective with all parameters at their defaults. @throws InputError for an unknown type, or
   /// for `expression`, `sum` and `callable`, which have no meaning without parameters.
   [[nodiscard]] static Objective named(std::string_view type);
+
+  /// Whether it judges plans of several robots (kFleetObjectiveTypes) and no plan of one.
+  [[nodiscard]] bool of_fleet() const;
 };
 
 struct WeightedObjective {
@@ -122,9 +134,12 @@ inline constexpr std::size_t kMaxSumDepth = 16;
 /// @throws InputError with one sentence for the first fault.
 void check_objective(const Objective& objective, const std::string& place);
 
-/// The types a problem file may name, in the order of the documentation.
+/// The types a problem file may name for one robot, in the order of the documentation.
 inline constexpr std::array<std::string_view, 11> kObjectiveTypes = {
     "piece_cost", "cubesat", "cubesat_zone", "custom",     "indexed", "time",
     "travel",     "fuel",    "completion",   "expression", "sum"};
+/// The types that a problem file with `fleet` may name for its robots together.
+inline constexpr std::array<std::string_view, 2> kFleetObjectiveTypes = {"makespan",
+                                                                         "fleet_travel"};
 
 }  // namespace orasp

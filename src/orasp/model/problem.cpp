@@ -321,7 +321,11 @@ void Problem::check_positions(const Objective& objective, const std::string& pla
 }
 
 void Problem::check_fleet() const {
-  if (!spec_.fleet) return;
+  if (!spec_.fleet) {
+    if (!spec_.objective.of_fleet()) return;
+    fail("objective.type", in_quotes(spec_.objective.type) +
+                               " judges plans of several robots, and the problem has no \"fleet\"");
+  }
   const Fleet& fleet = *spec_.fleet;
   if (fleet.robots < 1) fail("fleet.robots", "0 is not allowed; a fleet has at least 1 robot");
   const auto check_point = [](const std::array<double, 2>& point, const std::string& place) {

@@ -215,6 +215,13 @@ void Rules::add_terms(const Problem& problem, const Objective& objective, double
       term.callable = &callable;
       add();
     }
+    void operator()(const Makespan&) { refuse("makespan"); }
+    void operator()(const FleetTravel&) { refuse("fleet_travel"); }
+    [[noreturn]] static void refuse(const std::string& type) {
+      throw InputError("objective: \"" + type +
+                       "\" judges plans of several robots and no plan of one; name another "
+                       "objective, or plan for the fleet");
+    }
     void operator()(const WeightedSum& sum) {
       const double outer = term.weight;
       for (const WeightedObjective& addend : sum.terms) {
