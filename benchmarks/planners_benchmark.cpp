@@ -14,6 +14,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "orasp/model/random.h"
 #include "orasp/orasp.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <set>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 
 namespace orasp::fleet_oracle {
 namespace {

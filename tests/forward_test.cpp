@@ -14,7 +14,7 @@
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/learning/environment.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/model/validate.h"
 #include "tests/checks.h"
 #include "tests/random_problems.h"

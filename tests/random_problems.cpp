@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orasp/io/formula_parser.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/model/transition_system.h"
 
 namespace orasp {

@@ -18,6 +18,7 @@
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/policy_file.h"
 #include "orasp/io/problem_json.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp::cli {
 namespace {
@@ -89,7 +90,7 @@ class Reporter {
 
  private:
   const Context& context_;
-  double told_ = -std::numeric_limits<double>::infinity();
+  double told_ = -kInfinity;
   double next_ = 0;
 };
 

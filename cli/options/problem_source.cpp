@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "cli/exit_codes.h"
 #include "cli/output/fleet_summary.h"
@@ -20,6 +19,7 @@
 #include "cli/signals.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp::cli {
 namespace {
@@ -191,15 +191,6 @@ PolicyFile read_policy(const std::string& file, const Problem& problem) {
 std::string title(const Problem& problem, const std::string& typed) {
   if (!problem.name().empty()) return printable(problem.name());
   return typed == "-" ? "standard input" : printable(typed);
-}
-
-std::uint64_t default_memory_limit() {
-  std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  std::uint64_t group_bytes = 0;  // the file holds "max" where there is no limit
-  if (std::ifstream("/sys/fs/cgroup/memory.max") >> group_bytes)
-    bytes = std::min(bytes, group_bytes);
-  return bytes / 4 * 3;
 }
 
 Budget make_budget(const LimitOptions& limits) {

@@ -12,6 +12,7 @@
 #include "orasp/io/plan_json.h"
 #include "orasp/io/policy_file.h"
 #include "orasp/model/problem.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp::cli {
 
@@ -67,10 +68,6 @@ void warn_of_another_problem(const Context& context, const std::string& digest,
 
 /// What to call a problem in a sentence: its name, else what the user typed.
 [[nodiscard]] std::string title(const Problem& problem, const std::string& typed);
-
-/// Three quarters of the memory that this process may use (the machine's, or its control group's),
-/// in bytes.
-[[nodiscard]] std::uint64_t default_memory_limit();
 
 /// A budget from the limits, which Ctrl-C stops. The time limit begins now.
 [[nodiscard]] Budget make_budget(const LimitOptions& limits);

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/planners/random_sequence.h"
 
 namespace orasp::cli {

@@ -71,6 +71,7 @@
 #include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
 #include "orasp/model/problem.h"
+#include "orasp/model/random.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/model/validate.h"
@@ -80,3 +81,4 @@
 #include "orasp/planners/beam.h"
 #include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/uncertain.h"
+#include "orasp/task/memory_limit.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 
 namespace orasp::detail {
 namespace {

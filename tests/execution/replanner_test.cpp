@@ -18,7 +18,7 @@
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/mip/mip.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/value_iteration.h"

@@ -14,6 +14,7 @@
 
 #include "orasp/catalogue.h"
 #include "orasp/io/scenarios.h"
+#include "orasp/model/random.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/planners/random_sequence.h"
 #include "tests/instances.h"

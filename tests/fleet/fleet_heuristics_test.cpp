@@ -11,7 +11,7 @@
 #include "orasp/catalogue.h"
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/scenarios.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 
 namespace orasp {
 namespace {

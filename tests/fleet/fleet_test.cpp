@@ -6,7 +6,7 @@
 
 #include "orasp/fleet/fleet_expander.h"
 #include "orasp/fleet/fleet_validate.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "tests/fault.h"
 #include "tests/fleet_oracle.h"
 #include "tests/instances.h"

@@ -9,7 +9,7 @@
 
 #include "orasp/io/digest.h"
 #include "orasp/model/error.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 
 namespace orasp {
 namespace {

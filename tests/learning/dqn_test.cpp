@@ -13,7 +13,7 @@
 #include "orasp/learning/network.h"
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/random_sequence.h"
 #include "tests/instances.h"

@@ -8,7 +8,7 @@
 
 #include "orasp/io/scenarios.h"
 #include "orasp/model/error.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/model/validate.h"
 #include "tests/instances.h"
 #include "tests/oracle.h"

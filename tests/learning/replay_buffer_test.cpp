@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/model/random.h"
+
 namespace orasp {
 namespace {
 

@@ -17,7 +17,6 @@ namespace orasp {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ///   1 - 2 - 3
 ///       |   |

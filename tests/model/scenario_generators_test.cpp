@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/model/random.h"
 #include "tests/fault.h"
 
 namespace orasp {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "orasp/graph/state_graph.h"
+#include "orasp/model/random.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/model/validate.h"
 #include "tests/checks.h"

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
 #include "tests/oracle.h"

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "orasp/io/formula_parser.h"
+#include "orasp/model/random.h"
 #include "orasp/orasp.h"
 #include "tests/checks.h"
 #include "tests/instances.h"

@@ -11,6 +11,7 @@
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/error.h"
+#include "orasp/model/random.h"
 #include "orasp/model/scenario_generators.h"
 #include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"

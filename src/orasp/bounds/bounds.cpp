@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <string>
 
 #include "orasp/model/detail/connectivity.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 void Bound::of_successors(SetView open, double, std::span<const Action> actions,
                           std::span<double> bounds) {

@@ -17,10 +17,6 @@ namespace detail {
 class AssemblyGraph;
 }
 
-/// Rewards of plans are sums of up to thousands of binary numbers; smaller differences are not
-/// real.
-inline constexpr double kRewardTolerance = 1e-10;
-
 /// An upper bound on the reward still to come from a state; 0 at the goal. Each is admissible
 /// (never below the best that a plan can still earn) and consistent (along a legal step it falls by
 /// at least what the step earns), with the reason in its comment. Holds scratch memory: one for

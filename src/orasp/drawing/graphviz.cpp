@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -16,6 +15,7 @@
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/model/error.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 namespace {
@@ -212,7 +212,7 @@ std::optional<std::vector<Place>> stated_places(const Problem& problem) {
     const auto& [x, y, z] = *part.position;
     places.push_back({x + 0.45 * z, y + 0.3 * z});
   }
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kInfinity;
   double farthest = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

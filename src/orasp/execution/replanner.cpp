@@ -1,23 +1,22 @@
 #include "orasp/execution/replanner.h"
 
 #include <algorithm>
-#include <limits>
 #include <span>
 #include <utility>
 
 #include "orasp/graph/state_graph.h"
 #include "orasp/graph/state_index.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/uncertain.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
 namespace {
-
-constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostHeld = 4;
 constexpr std::string_view kMethod = "replanner";
 
@@ -105,7 +104,7 @@ struct Replanner::Held {
     StateId state = from;
     double total = 0;
     while (graph->begin(state) < graph->end(state)) {
-      double best = kNever;
+      double best = -kInfinity;
       ActionId chosen = graph->end(state);
       for (ActionId a = graph->begin(state); a < graph->end(state); ++a) {
         const double value = graph->reward(a) + values[graph->successor(a)];
@@ -174,7 +173,7 @@ struct Replanner::Held {
     }
     left.assign(reached.size(), 0);
     const auto best_of = [&](std::size_t i, std::size_t k, ActionId& chosen) {
-      double best = kNever;
+      double best = -kInfinity;
       const bool last = k + 1 == steps;
       for_each_allowed(reached[i], k == 0, last, now, [&](ActionId a, bool completes) {
         const double value =
@@ -190,7 +189,7 @@ struct Replanner::Held {
       for (std::size_t i = layers[k]; i < layers[k + 1]; ++i) left[i] = best_of(i, k, chosen);
     }
     result.statistics.states = reached.size();
-    if (left.front() == kNever) return;
+    if (left.front() == -kInfinity) return;
     double total = 0;
     std::size_t i = 0;
     for (std::size_t k = 0; k < steps; ++k) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 namespace {

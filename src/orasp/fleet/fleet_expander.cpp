@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "orasp/model/tolerance.h"
+
 namespace orasp {
 namespace {
 
@@ -77,7 +79,7 @@ FleetExpander::FleetExpander(const FleetProblem& fleet)
   }
   const Limits& limits = problem.limits();
   most_moved_parts_ = limits.max_moved_parts.value_or(std::numeric_limits<std::size_t>::max());
-  most_moved_mass_ = limits.max_moved_mass.value_or(std::numeric_limits<double>::infinity());
+  most_moved_mass_ = limits.max_moved_mass.value_or(kInfinity);
   lock_sets_.emplace_back();
   lock_numbers_.emplace(lock_sets_[0], 0);
 
@@ -112,10 +114,9 @@ unsigned FleetExpander::allowed_beside(std::size_t i, std::size_t j, Motion moti
 
 bool FleetExpander::liftable(PartMask block) const {
   if (size_of(block) > most_moved_parts_) return false;
-  if (most_moved_mass_ == std::numeric_limits<double>::infinity()) return true;
+  if (most_moved_mass_ == kInfinity) return true;
   double sum = 0;
   for_each_part(block, [&](std::size_t part) { sum += mass_[part]; });
-  constexpr double kRelativeTolerance = 1e-9;  // as for one robot
   return sum <= most_moved_mass_ * (1 + kRelativeTolerance);
 }
 

@@ -11,6 +11,7 @@
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/mip/mip_solver.h"
 #include "orasp/model/error.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 namespace {
@@ -541,7 +542,7 @@ class Run {
   FleetResult infeasible(const std::string& why) {
     result_.status = Status::Infeasible;
     result_.stop = Stop::None;
-    result_.bound = -std::numeric_limits<double>::infinity();
+    result_.bound = -kInfinity;
     result_.notes.push_back("no plan exists: " + why);
     return result_;
   }

@@ -2,13 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "orasp/fleet/fleet.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
@@ -39,7 +39,7 @@ struct FleetResult {
   Stop stop = Stop::None;
   FleetPlan plan;  ///< where has_plan()
   /// Minus the number of steps, or minus the travel; more is better, as for one robot.
-  double reward = -std::numeric_limits<double>::infinity();
+  double reward = -kInfinity;
   std::optional<double> bound;               ///< proved upper bound on any plan's reward
   std::optional<std::size_t> steps_allowed;  ///< horizon that travel was minimised for
   Statistics statistics;

@@ -7,6 +7,7 @@
 
 #include "orasp/fleet/fleet_makespan.h"
 #include "orasp/fleet/fleet_travel.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 namespace {
@@ -28,7 +29,7 @@ Statistics sum(const Statistics& a, const Statistics& b) {
 
 FleetResult infeasible(FleetResult result, const std::string& why) {
   result.status = Status::Infeasible;
-  result.bound = -std::numeric_limits<double>::infinity();
+  result.bound = -kInfinity;
   result.notes.push_back("no plan exists: " + why);
   return result;
 }

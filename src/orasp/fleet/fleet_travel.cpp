@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "orasp/fleet/detail/fleet_plan_builder.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "orasp/containers/state_table.h"
 #include "orasp/fleet/fleet_expander.h"
 #include "orasp/fleet/fleet_makespan.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/task/budget.h"
 
 namespace orasp {
@@ -38,7 +38,6 @@ inline constexpr std::size_t kFleetMaxTravelSteps = 500;
 class FleetTravelSearch {
  public:
   using StateNumber = FleetMakespanSearch::StateNumber;
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   /// One subassembly, and where it stands.
   struct Placed {

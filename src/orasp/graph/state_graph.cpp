@@ -7,13 +7,13 @@
 #include <numeric>
 #include <optional>
 
-#include <unistd.h>
-
 #include "orasp/bounds/bounds.h"
 #include "orasp/containers/parallel.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/containers/subset_rank.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
@@ -479,7 +479,7 @@ std::optional<StateId> StateGraph::goal() const {
 }
 
 double StateGraph::greatest_reward() const {
-  double greatest = -std::numeric_limits<double>::infinity();
+  double greatest = -kInfinity;
   rewards_.with_reader([&](auto reward_of) {
     for (ActionId a = 0; a < num_actions(); ++a) greatest = std::max(greatest, reward_of(a));
   });
@@ -492,12 +492,6 @@ std::uint64_t StateGraph::bytes() const {
 }
 
 // -------------------------------------------------------------------------------------------------
-
-std::uint64_t allowed_bytes(const Budget& budget) {
-  const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
-  const auto page = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
-  return std::min(budget.max_bytes, pages * page / 5 * 4);
-}
 
 namespace {
 

@@ -11,6 +11,7 @@
 #include "orasp/containers/reward_column.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
+#include "orasp/task/memory_limit.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
@@ -137,10 +138,6 @@ struct GraphEstimate {
 /// The size that H would have if nothing were constrained: 2^connections states. Constraints only
 /// take states away.
 [[nodiscard]] GraphEstimate estimate_without_constraints(const TransitionSystem& system);
-
-/// Memory that planners may take under `budget`: its max_bytes, and in any case not more than 80 %
-/// of what the machine has.
-[[nodiscard]] std::uint64_t allowed_bytes(const Budget& budget);
 
 /// Whether H is estimated to fit in allowed_bytes(budget).
 [[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);

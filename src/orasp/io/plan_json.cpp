@@ -16,6 +16,7 @@
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/model/validate.h"
 
 namespace orasp {
@@ -246,7 +247,7 @@ std::string plan_text(const TransitionSystem& system, const Result& result,
   // A bound and a reward are sums of the same numbers in another order: what rounding did to them
   // is not a gap.
   // Where attempts may fail, the reward is an expectation, which no replay gives.
-  const double reward = !result.has_plan()   ? -std::numeric_limits<double>::infinity()
+  const double reward = !result.has_plan()   ? -kInfinity
                         : result.expectation ? result.reward
                                              : evaluation.reward;
   std::optional<double> bound = result.bound;

@@ -10,17 +10,14 @@
 #include "orasp/learning/network.h"
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 // -------------------------------------------------------------------------------------------------
 // Targets

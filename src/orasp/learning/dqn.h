@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "orasp/learning/policy.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -76,11 +76,11 @@ struct TrainingRecord {
   /// Mean smooth L1 loss since the last record, in units of the network's numbers.
   double loss = 0;
   /// What the network earns now without random actions.
-  double greedy = -std::numeric_limits<double>::infinity();
+  double greedy = -kInfinity;
   /// The most that was: of the policy that is kept.
-  double best_greedy = -std::numeric_limits<double>::infinity();
+  double best_greedy = -kInfinity;
   /// The best plan of any episode.
-  double best = -std::numeric_limits<double>::infinity();
+  double best = -kInfinity;
   std::optional<double> bound;  ///< no plan earns more
   double seconds = 0;           ///< since training began, earlier runs included
 };

@@ -2,10 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
+#include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -62,7 +62,7 @@ struct TrainingState {
 struct TrainedPolicy {
   Policy policy;  ///< the best met; no layers where training was stopped before the first
   /// What the plan earns that it makes from the start; -infinity where none was found soon.
-  double reward = -std::numeric_limits<double>::infinity();
+  double reward = -kInfinity;
   TrainingState training;
 };
 

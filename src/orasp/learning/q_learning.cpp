@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,14 +9,13 @@
 
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Learner {
  public:

@@ -2,11 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/model/transition_system.h"
 
 namespace orasp {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "orasp/mip/mip_solver.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {

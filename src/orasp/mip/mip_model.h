@@ -2,11 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 
@@ -56,7 +57,7 @@ class MipModel {
     std::string name;
     double objective = 0;
     double lower = 0;
-    double upper = std::numeric_limits<double>::infinity();
+    double upper = kInfinity;
     bool integer = false;
   };
   struct Row {

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "orasp/mip/mip_model.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
@@ -16,8 +16,8 @@ namespace orasp {
 /// included.
 struct MipProgress {
   std::uint64_t nodes = 0;
-  double best = std::numeric_limits<double>::infinity();    ///< of the best solution so far
-  double bound = -std::numeric_limits<double>::infinity();  ///< proved: no solution is below
+  double best = kInfinity;    ///< of the best solution so far
+  double bound = -kInfinity;  ///< proved: no solution is below
 };
 
 /// What a solver answers.
@@ -33,8 +33,8 @@ struct MipSolution {
   Stop stop = Stop::None;  ///< what the watcher said
   std::vector<double>
       values;  ///< of all columns; whole where they must be. Empty without a solution
-  double objective = std::numeric_limits<double>::infinity();
-  double bound = -std::numeric_limits<double>::infinity();  ///< proved: no solution is below
+  double objective = kInfinity;
+  double bound = -kInfinity;  ///< proved: no solution is below
   std::uint64_t nodes = 0;
 };
 

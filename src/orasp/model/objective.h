@@ -2,7 +2,6 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "orasp/model/formula.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 
@@ -78,8 +78,8 @@ struct Callable {
   std::string name = "callable";
   std::function<double(const Step&)> reward;
   /// Least and greatest reward that one step can earn, if known. ORASP Search needs the greatest.
-  double least = -std::numeric_limits<double>::infinity();
-  double greatest = std::numeric_limits<double>::infinity();
+  double least = -kInfinity;
+  double greatest = kInfinity;
 };
 
 /// `makespan`, of a fleet: -1 for every step of the plan, in which all robots may move. No

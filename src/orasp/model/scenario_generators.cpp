@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "orasp/model/random.h"
+
 namespace orasp {
 namespace {
 

@@ -10,10 +10,10 @@
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/detail/rules.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 
-using detail::kInfinity;
 using detail::kUnlimited;
 using detail::Side;
 using detail::Term;

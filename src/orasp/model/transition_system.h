@@ -74,10 +74,6 @@ struct RewardRange {
   double greatest;
 };
 
-/// Masses and lengths are sums of decimal numbers in binary; two of them that differ by less than
-/// this, relatively, are the same number to a user (0.1 + 0.2 and 0.3).
-inline constexpr double kRelativeTolerance = 1e-9;
-
 /// The rules of the world: which actions are legal, where they lead, what they earn. They stand
 /// here and nowhere else; every planner, the environment and the checker use them.
 ///

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <vector>
 
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 

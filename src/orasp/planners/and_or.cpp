@@ -16,15 +16,15 @@
 #include "orasp/containers/parallel.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/detail/connectivity.h"
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A set of parts.
 template <std::size_t kWords>

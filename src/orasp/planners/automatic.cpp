@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "orasp/bounds/bounds.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
@@ -56,7 +57,7 @@ class Findings {
  public:
   Findings() {
     best_.method = "auto";
-    best_.bound = std::numeric_limits<double>::infinity();
+    best_.bound = kInfinity;
   }
 
   void lower(double bound) { best_.bound = std::min(*best_.bound, bound); }

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Search {
  public:

@@ -1,9 +1,9 @@
 #include "orasp/planners/bellman_ford.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
@@ -13,7 +13,6 @@ Result bellman_ford(const StateGraph& graph, const BellmanFordOptions& options,
   // Relaxation in rounds (Bellman, Ford, Moore). States are numbered layer by layer, so a state's
   // value is final before its own actions are relaxed: the first sweep settles all, the second
   // confirms it.
-  constexpr double kNever = -std::numeric_limits<double>::infinity();
   const Stopwatch watch;
   if (auto result = detail::settled(graph.system(), "bellman-ford")) return *result;
   Result result;
@@ -21,7 +20,7 @@ Result bellman_ford(const StateGraph& graph, const BellmanFordOptions& options,
   result.statistics = detail::statistics_of(graph);
   const auto states = static_cast<StateId>(graph.num_states());
 
-  std::vector<double> best(states, kNever);
+  std::vector<double> best(states, -kInfinity);
   std::vector<StateId> parent(states, 0);
   best[0] = 0;
   result.statistics.peak_bytes = std::max<std::uint64_t>(

@@ -19,7 +19,9 @@
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/error.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
@@ -59,7 +61,7 @@ Mask bit(std::size_t c) {
 
 struct Doubles {
   using Value = double;
-  static constexpr Value kNever = -std::numeric_limits<double>::infinity();
+  static constexpr Value kNever = -kInfinity;
 
   static Value rounded(double reward) { return reward; }
   static double value(Value value) { return value; }

@@ -1,10 +1,10 @@
 #include "orasp/planners/dijkstra.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "orasp/containers/indexed_heap.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
@@ -24,7 +24,7 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
   const auto goal = graph.goal();
   const double greatest = graph.greatest_reward();
 
-  std::vector<double> length(states, std::numeric_limits<double>::infinity());
+  std::vector<double> length(states, kInfinity);
   std::vector<StateId> parent(states, 0);
   detail::IndexedHeap open(states, length);
   length[0] = 0;

@@ -1,10 +1,10 @@
 #include "orasp/planners/feasibility.h"
 
 #include <algorithm>
-#include <limits>
 #include <string_view>
 #include <utility>
 
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/depth_first_plan.h"
 
 namespace orasp {
@@ -30,7 +30,7 @@ double harmless(const Problem& problem) {
   if (!judges_cuts) return 0;
   const bool equal_masses = std::ranges::all_of(
       problem.parts(), [&](const Part& part) { return part.mass == problem.parts().front().mass; });
-  if (limits.max_moved_mass && !equal_masses) return -std::numeric_limits<double>::infinity();
+  if (limits.max_moved_mass && !equal_masses) return -kInfinity;
   const bool counts =
       limits.max_subassemblies && *limits.max_subassemblies < problem.num_parts() / 2;
   return counts ? kCutsSingle : kCuts;

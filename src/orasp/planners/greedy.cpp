@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/depth_first_plan.h"
 
 namespace orasp {

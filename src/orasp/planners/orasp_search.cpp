@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <vector>
 
 #include "orasp/bounds/bounds.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/feasibility.h"
 #include "orasp/planners/greedy.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
 #include "orasp/planners/depth_first_plan.h"
 
 namespace orasp {

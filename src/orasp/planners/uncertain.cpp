@@ -8,8 +8,10 @@
 #include <unordered_map>
 #include <utility>
 
-#include "orasp/model/scenario_generators.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/memory_limit.h"
 
 namespace orasp {
 
@@ -17,8 +19,6 @@ namespace {
 
 using State = UncertainGraph::State;
 using Attempt = UncertainGraph::Attempt;
-
-constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kPollEvery = 256;  // states, or attempts of a simulation
 
 /// The parts of Bellman's equation, once for all that use them. `self` is the attempt's own state.
@@ -33,8 +33,8 @@ class Outcomes {
   [[nodiscard]] static bool safe(const Attempt& attempt, State self,
                                  const std::vector<double>& values) {
     const State failed = attempt.failed;
-    return values[attempt.done] != kNever &&
-           (failed == UncertainGraph::kJobEnded || failed == self || values[failed] != kNever);
+    return values[attempt.done] != -kInfinity &&
+           (failed == UncertainGraph::kJobEnded || failed == self || values[failed] != -kInfinity);
   }
   /// What a failure is worth, given what it is worth to be in a state.
   [[nodiscard]] double failure(const Attempt& attempt, const std::vector<double>& values) const {
@@ -71,7 +71,7 @@ class Outcomes {
 template <class Worth>
 std::pair<double, std::uint32_t> best_of(const UncertainGraph& graph, State s,
                                          const std::vector<double>& values, Worth&& worth) {
-  double best = kNever;
+  double best = -kInfinity;
   std::uint32_t place = UncertainSolution::kNone;
   const std::span<const Attempt> attempts = graph.attempts(s);
   for (std::uint32_t i = 0; i < attempts.size(); ++i) {
@@ -111,7 +111,7 @@ Accuracy accuracy_of(const UncertainGraph& graph, const std::vector<double>& val
   double largest = 0;  // number that the residual is worked out from
   std::vector<double> most_attempts(graph.num_states(), 0.0);
   for (const State s : graph.last_first()) {
-    if (values[s] == kNever || is_goal(graph, s)) continue;
+    if (values[s] == -kInfinity || is_goal(graph, s)) continue;
     const auto [next, place] = best_of(graph, s, values, [&](const Attempt& attempt) {
       largest = std::max(largest, std::abs(attempt.reward));
       if (attempt.failed == UncertainGraph::kJobEnded)
@@ -184,7 +184,7 @@ void sweep_textbook(const UncertainGraph& graph, const ValueIterationOptions& op
                     const Budget& budget, std::vector<double>& values, Result& result) {
   const Outcomes outcomes(graph);
   for (State s = 0; s < graph.num_states(); ++s) {
-    if (values[s] != kNever && !is_goal(graph, s)) values[s] = options.initial_value;
+    if (values[s] != -kInfinity && !is_goal(graph, s)) values[s] = options.initial_value;
   }
   std::vector<double> previous = values;
   std::uint64_t& sweeps = result.statistics.sweeps;
@@ -195,7 +195,7 @@ void sweep_textbook(const UncertainGraph& graph, const ValueIterationOptions& op
     double largest = 0;
     for (State s = 0; s < graph.num_states(); ++s) {
       values[s] = previous[s];
-      if (previous[s] == kNever || is_goal(graph, s)) continue;
+      if (previous[s] == -kInfinity || is_goal(graph, s)) continue;
       values[s] = best_of(graph, s, previous, [&](const Attempt& attempt) {
                     return outcomes.plain(attempt, previous);
                   }).first;
@@ -311,7 +311,7 @@ UncertainGraph UncertainGraph::build(const TransitionSystem& system, const Budge
 UncertainSolution solve_uncertain(const UncertainGraph& graph) {
   const Outcomes outcomes(graph);
   UncertainSolution solution;
-  solution.values.assign(graph.num_states(), kNever);
+  solution.values.assign(graph.num_states(), -kInfinity);
   solution.choice.assign(graph.num_states(), UncertainSolution::kNone);
   solution.attempts.assign(graph.num_states(), 0.0);
   for (const State s : graph.last_first()) {
@@ -355,7 +355,7 @@ Result uncertain_value_iteration(const UncertainGraph& graph, const ValueIterati
   const bool textbook = options.order == ValueIterationOptions::Order::Textbook;
   const std::size_t numbers = textbook ? 4 : 3;
   statistics.peak_bytes += graph.num_states() * (numbers * sizeof(double) + sizeof(std::uint32_t));
-  if (solution.values[0] == kNever) {
+  if (solution.values[0] == -kInfinity) {
     result = detail::exhausted(result.method, statistics);
     result.notes = {
         "no plan exists: whatever is attempted, a state may be met that has no legal step"};
@@ -369,7 +369,7 @@ Result uncertain_value_iteration(const UncertainGraph& graph, const ValueIterati
     sweep_textbook(graph, options, budget, values, result);
     const Outcomes outcomes(graph);
     for (const State s : graph.last_first()) {
-      if (values[s] == kNever || is_goal(graph, s)) continue;
+      if (values[s] == -kInfinity || is_goal(graph, s)) continue;
       solution.choice[s] = best_of(graph, s, values, [&](const Attempt& attempt) {
                              return outcomes.plain(attempt, values);
                            }).second;

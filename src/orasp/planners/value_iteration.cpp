@@ -5,14 +5,13 @@
 #include <vector>
 
 #include "orasp/containers/parallel.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
 namespace {
-
-constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr std::size_t kParallelFrom = 4096;  // states worth a second thread
 
 /// V_{k+1}(s) for the states first .. last - 1, written to `to`; returns the greatest change
@@ -23,7 +22,7 @@ double bellman_update(const StateGraph& graph, RewardOf reward_of, StateId first
   double change = 0;
   ActionId a = graph.begin(first);
   for (StateId s = first; s < last; ++s) {
-    double best = kNever;
+    double best = -kInfinity;
     for (const ActionId end = graph.end(s); a < end; ++a) {
       best = std::max(best, reward_of(a) + from[graph.successor(a)]);
     }
@@ -93,7 +92,7 @@ Result value_iteration(const StateGraph& graph, const ValueIterationOptions& opt
   result.statistics.peak_bytes = std::max<std::uint64_t>(
       graph.peak_bytes(), graph.bytes() + (values.size() + previous.size()) * sizeof(double));
 
-  double change = std::numeric_limits<double>::infinity();
+  double change = kInfinity;
   std::uint64_t& sweeps = result.statistics.sweeps;
   while (change >= options.epsilon && change != 0 && sweeps < options.max_sweeps) {
     double greatest = 0;
@@ -120,7 +119,7 @@ Result value_iteration(const StateGraph& graph, const ValueIterationOptions& opt
   // when nothing changed (on an acyclic graph Bellman's equation has one solution).
   const bool exact = change == 0 || (layered ? sweeps >= 1 : sweeps + 1 >= graph.num_layers());
   if (exact) result.stop = Stop::None;
-  if (exact && (!goal || values[0] == kNever)) {
+  if (exact && (!goal || values[0] == -kInfinity)) {
     const Stop none = Stop::None;
     result = detail::exhausted("value-iteration", result.statistics);
     result.stop = none;

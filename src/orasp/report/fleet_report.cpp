@@ -15,6 +15,7 @@
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/report/detail/report_page.h"
 
 namespace orasp {

@@ -17,6 +17,7 @@
 #include "orasp/explain/grounds.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/detail/json_text.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/report/detail/report_page.h"

@@ -8,17 +8,18 @@
 #include <stop_token>
 #include <string_view>
 
+#include "orasp/model/tolerance.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
 
 /// What a planner tells while it works.
 struct Progress {
-  std::string_view phase;                                  ///< "building H", "sweep", "search"
-  std::uint64_t done = 0;                                  ///< in units of the phase
-  std::uint64_t total = 0;                                 ///< 0 where unknown
-  std::uint64_t states = 0;                                ///< states held
-  double best = -std::numeric_limits<double>::infinity();  ///< incumbent's reward
+  std::string_view phase;    ///< "building H", "sweep", "search"
+  std::uint64_t done = 0;    ///< in units of the phase
+  std::uint64_t total = 0;   ///< 0 where unknown
+  std::uint64_t states = 0;  ///< states held
+  double best = -kInfinity;  ///< incumbent's reward
 };
 
 /// What a planner may spend, and how it is told to stop. Polled by the planner: expired() looks at

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "orasp/model/connection_set.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 
@@ -91,7 +91,7 @@ struct Result {
   Stop stop = Stop::None;
   /// All connections in the order of the problem's direction; empty without a plan.
   std::vector<ConnectionIndex> sequence;
-  double reward = -std::numeric_limits<double>::infinity();  ///< of the sequence
+  double reward = -kInfinity;   ///< of the sequence
   std::optional<double> bound;  ///< proved upper bound on any plan's reward
   Statistics statistics;
   std::uint64_t seed = 1;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <variant>
 
+#include "orasp/model/tolerance.h"
+
 namespace orasp::detail {
 
 namespace {

@@ -12,6 +12,7 @@
 #include "orasp/model/objective.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
+#include "orasp/model/tolerance.h"
 
 /// The rules of the world, arranged for work: what TransitionSystem holds and Expander applies.
 namespace orasp::detail {
@@ -20,7 +21,6 @@ inline constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max(
 /// A formula of sizes alone is looked up in a table of its values up to this many parts (two values
 /// for each pair of sizes).
 inline constexpr std::size_t kMostPartsInTable = 2048;
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class TermKind {
   PieceCost,
