@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/fleet_summary.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
@@ -336,6 +338,41 @@ int run(const CompareOptions& options, const Context& context) {
     }
   }
   return interrupted ? kStopped : kSolved;
+}
+
+int compare_command(const Arguments& arguments) {
+  CompareOptions options;
+  bool quiet = false;
+  CommandLine line("compare", "Runs several methods on several problems and prints one table.");
+  line.positionals("PROBLEM", options.problems, kProblemHelp);
+  line.group("Method");
+  line.text("--methods", "A,B,...",
+            "Methods to run (default: every exact one that accepts the problem; every one for "
+            "fleets where there is a fleet).",
+            options.methods);
+  add_seed_option(line, options.seed, "the methods that draw random numbers");
+  line.whole(
+      "--steps", "N",
+      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+      "fewest possible).",
+      options.steps, 1, 1'000'000);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits, " each run");
+  add_output_options(line, options.json, options.output, quiet, "the table");
+  line.flag("--csv", options.csv,
+            "Print the table as CSV; -o then writes CSV too (default: text for people).");
+  line.flag("--markdown", options.markdown,
+            "Print the table as Markdown; -o then writes Markdown too (default: text for people).");
+  line.footer(methods_help() +
+              "\nExamples:\n"
+              "  orasp compare 2x3 lattice hubble\n"
+              "  orasp compare hubble --methods greedy,random,orasp-search --markdown\n"
+              "  orasp compare problems/*.json --time-limit 10 --csv > table.csv\n"
+              "  orasp compare fleet-lattice fleet-hubble --objective travel\n"
+              "\n"
+              "Exit codes: 0 compared, whatever the methods said; 20 interrupted, the rows so\n"
+              "far are printed; 30 wrong input; 40 exact methods disagree.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

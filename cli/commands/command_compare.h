@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -26,5 +27,9 @@ struct CompareOptions {
 /// @returns the exit code.
 /// @throws InputError.
 [[nodiscard]] int run(const CompareOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp compare`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int compare_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

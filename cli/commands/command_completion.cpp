@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
 #include "cli/output/text.h"
 #include "orasp/model/error.h"
 
@@ -19,6 +20,20 @@ int run(const CompletionOptions& options, const Context& context) {
                                  in_quotes(options.shell)));
   context.print(kBashCompletion);
   return kSolved;
+}
+
+int completion_command(const Arguments& arguments) {
+  CompletionOptions options;
+  CommandLine line("completion",
+                   "Prints a script that completes commands, options, methods and scenarios.");
+  line.positional("SHELL", options.shell, "bash");
+  line.footer(
+      "\nExamples:\n"
+      "  source <(orasp completion bash)\n"
+      "  orasp completion bash > /etc/bash_completion.d/orasp\n"
+      "\n"
+      "Exit codes: 0 printed, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(false)) : kSolved;
 }
 
 }  // namespace orasp::cli

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/fleet_summary.h"
 #include "cli/output/json_output.h"
 #include "cli/output/step_table.h"
@@ -121,6 +123,28 @@ int run(const EvaluateOptions& options, const Context& context) {
   print_result(context, options.output, options.json, as_json(evaluation),
                [&] { return summary(problem, evaluation, options, context); });
   return evaluation.valid ? kSolved : kNoPlan;
+}
+
+int evaluate_command(const Arguments& arguments) {
+  EvaluateOptions options;
+  bool quiet = false;
+  CommandLine line("evaluate",
+                   "Replays a plan step by step: its reward, and every rule that it breaks.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.positional(
+      "PLAN", options.plan,
+      "a plan file, a JSON array of connection ids or a text with one id a line, in the problem's "
+      "direction; - for standard input");
+  add_problem_options(line, options.changes);
+  add_output_options(line, options.json, options.output, quiet, "the verdict");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp evaluate hubble plan.json\n"
+      "  orasp solve hubble --method greedy --json | orasp evaluate hubble -\n"
+      "  orasp evaluate product.json order.txt --max-moved-parts 3\n"
+      "\n"
+      "Exit codes: 0 valid, 10 not valid, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -18,5 +19,9 @@ struct EvaluateOptions {
 /// exit code.
 /// @throws InputError.
 [[nodiscard]] int run(const EvaluateOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp evaluate`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int evaluate_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/conflict.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
@@ -267,6 +269,37 @@ int run(const ExplainOptions& options, const Context& context) {
   const Problem problem = load_problem(options.problem, options.changes, context);
   return options.connection ? explain_one(problem, options, context)
                             : explain_all(problem, options, context);
+}
+
+int explain_command(const Arguments& arguments) {
+  ExplainOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "explain",
+      "Says why there is no plan: a smallest set of constraints that conflict; or why a\n"
+      "connection cannot be handled first, and what would have to change.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("One connection");
+  line.text("--connection", "ID", "Explain this connection (default: the whole problem).",
+            options.connection);
+  line.text("--plan", "FILE",
+            "Explain it in the middle of this plan; - for standard input (default: at the start).",
+            options.plan);
+  line.whole("--step", "K", "Explain it in the place of step K of the plan (default: 1).",
+             options.step, 1);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet, "the explanation");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp explain product.json\n"
+      "  orasp explain 4brick --max-moved-parts 0\n"
+      "  orasp explain lattice --connection 4-5\n"
+      "  orasp explain lattice --connection 4-5 --plan plan.json --step 3\n"
+      "\n"
+      "Exit codes: 0 a plan exists, or the connection may be handled; 10 no plan exists, or\n"
+      "it may not; 20 not decided within the limits; 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

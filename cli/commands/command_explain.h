@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -22,5 +23,9 @@ struct ExplainOptions {
 /// `orasp explain PROBLEM`: why there is no plan, or why a connection cannot be handled. @returns
 /// the exit code. @throws InputError.
 [[nodiscard]] int run(const ExplainOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp explain`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int explain_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

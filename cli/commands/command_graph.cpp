@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
@@ -148,6 +150,34 @@ int run(const GraphOptions& options, const Context& context) {
                  [&] { return summary(problem, facts, options, context); });
   }
   return facts.stop != Stop::None ? kStopped : facts.infeasible ? kNoPlan : kSolved;
+}
+
+int graph_command(const Arguments& arguments) {
+  GraphOptions options;
+  bool quiet = false;
+  CommandLine line("graph",
+                   "Builds the state-action graph H and prints its size, layer by layer, and that\n"
+                   "of the tree H~ that repeats a state for every order that reaches it.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Drawing");
+  line.text("--dot", "FILE",
+            "Write H in the DOT language, an optimal plan in green; - for standard output "
+            "(default: none).",
+            options.dot);
+  line.text("--svg", "FILE",
+            "Draw H with Graphviz, up to 5,000 states; - for standard output (default: none).",
+            options.svg);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet, "the sizes");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp graph lattice\n"
+      "  orasp graph 4piece --svg 4piece.svg\n"
+      "  orasp graph 2x3 --dot - | dot -Tpdf -o 2x3.pdf\n"
+      "\n"
+      "Exit codes: 0 built, 10 proved infeasible, 20 a limit stopped it, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -20,5 +21,9 @@ struct GraphOptions {
 /// drawings of H.
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const GraphOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp graph`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int graph_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 #include "cli/output/json_output.h"
 #include "cli/output/text.h"
@@ -79,6 +80,33 @@ int run(const PaperOptions& options, const Context& context) {
           : fmt::format("{}, paper.md, paper.json and {} in {}\n", (folder / "paper.html").string(),
                         counted(page->pictures().size(), "figure"), (folder / kFigures).string()));
   return kSolved;
+}
+
+int paper_command(const Arguments& arguments) {
+  PaperOptions options;
+  bool quiet = false;
+  bool no_learning = false;
+  CommandLine line("paper",
+                   "Computes everything of the paper again that can be computed, beside the\n"
+                   "printed numbers: DIR/paper.html, paper.md, paper.json, figures/*.svg.");
+  line.text("-o,--output", "DIR",
+            "Write into this folder, which is made if it is missing (default: orasp-paper).",
+            options.folder);
+  line.flag("--quick", options.effort.quick,
+            "Fewer repeats, smaller growth, training of a second or two (default: a few minutes).");
+  line.flag("--no-learning", no_learning, "Leave the learned plans out (default: train them).");
+  line.flag("--json", options.json, "Print the numbers as JSON (default: what was written).");
+  line.flag("--quiet", quiet, "No progress on standard error (default: what comes next).");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp paper -o paper\n"
+      "  orasp paper --quick -o /tmp/paper\n"
+      "\n"
+      "Exit codes: 0 written, 20 Ctrl-C stopped it (nothing is written), 30 wrong input, or\n"
+      "Graphviz or gnuplot is missing.");
+  if (!line.parse(arguments)) return kSolved;
+  options.effort.learning = !no_learning;
+  return run(options, Context(quiet));
 }
 
 }  // namespace orasp::cli

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cli/context.h"
+#include "cli/options/command_line.h"
 #include "cli/paper/paper.h"
 
 namespace orasp::cli {
@@ -18,5 +19,9 @@ struct PaperOptions {
 /// computed and drawn, and the page comes last.
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const PaperOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp paper`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int paper_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/conflict.h"
 #include "cli/output/json_output.h"
 #include "cli/output/plan_summary.h"
@@ -316,6 +318,53 @@ int run(const ReplanOptions& options, const Context& context) {
   for (const std::string& note : result.notes) text += printable(note) + '\n';
   context.print(text);
   return exit_code(result);
+}
+
+int replan_command(const Arguments& arguments) {
+  ReplanOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "replan",
+      "Finds the best plan from where the work stands, with what has changed since, and\n"
+      "says what that changes in the old plan.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Where the work stands");
+  line.value("--plan", "FILE", "The old plan; - for standard input (default: none).",
+             [&](const std::string& given) { options.plan = given; });
+  line.whole("--done", "K", "The first K steps of the old plan are done (default: 0).",
+             options.done, 0);
+  line.text("--removed,--made", "IDS",
+            "Connections that are done, separated by commas: removed, or in assembly made "
+            "(default: none).",
+            options.removed);
+  line.group("What has changed");
+  line.text("--inaccessible", "IDS",
+            "Connections that stay as they are; the goal is everything else (default: none).",
+            options.inaccessible);
+  line.text("--not-next", "IDS",
+            "Connections that cannot be the next step, but may be a later one (default: none).",
+            options.not_next);
+  line.text("--lost-part", "IDS",
+            "Parts that are lost: their open connections are inaccessible (default: none).",
+            options.lost_parts);
+  line.text("--late-part", "IDS",
+            "Parts that arrive late: their connections wait until nothing else can be done "
+            "(default: none).",
+            options.late_parts);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet,
+                     "the steps still to come (format orasp-plan/1)");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp solve hubble -o plan.json\n"
+      "  orasp replan hubble --plan plan.json --done 5 --inaccessible 3-4\n"
+      "  orasp replan hubble --removed 1-2,1-3 --lost-part 7 --json\n"
+      "  orasp replan hubble --plan plan.json --done 5 --objective time\n"
+      "\n"
+      "Exit codes: 0 solved, 10 proved infeasible (the conflict is named), 20 a limit or\n"
+      "Ctrl-C stopped it (the best plan so far is printed), 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

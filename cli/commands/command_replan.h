@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -27,5 +28,9 @@ struct ReplanOptions {
 /// `orasp replan PROBLEM`: the best plan from where the work stands. @returns the exit code.
 /// @throws InputError.
 [[nodiscard]] int run(const ReplanOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp replan`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int replan_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

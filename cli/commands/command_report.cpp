@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/fleet_summary.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
@@ -311,6 +313,62 @@ int run(const ReportOptions& options, const Context& context) {
     return evaluate(system, std::span<const std::string>(plan.sequence)).valid;
   });
   return valid ? kSolved : kNoPlan;
+}
+
+int report_command(const Arguments& arguments) {
+  ReportOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "report",
+      "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
+      "as a drawing, each plan step by step with what allows it, charts, what is proved.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.positionals("[PLAN]", options.plans,
+                   "plans to show, several side by side: files as for `orasp evaluate`, - for "
+                   "standard input (default: what auto finds)");
+  line.group("Page");
+  line.text(
+      "-o,--output", "FILE",
+      "Write the page to FILE, whole or not at all; - prints it (default: none, with --svg alone).",
+      options.output);
+  line.text("--svg", "DIR",
+            "Draw the figures of the problem and of the first plan as SVG files into this folder, "
+            "which is made if it is missing (default: none).",
+            options.svg);
+  line.text("--title", "TEXT", "Heading of the page (default: the problem's name).", options.title);
+  line.text("--log", "FILE", "Show the learning curve of this `orasp train --log` (default: none).",
+            options.log);
+  line.text("--sample", "FILE",
+            "Show how the rewards of this `orasp sample --json` are distributed (default: none).",
+            options.sample);
+  line.value("--sample-count", "N",
+             "Draw N random sequences and show how their rewards are distributed (default: none).",
+             [&options](const std::string& given) {
+               options.sample_count = whole_number("--sample-count", given, 1, 10'000'000);
+             });
+  add_seed_option(line, options.seed, "the sample");
+  add_problem_options(line, options.changes);
+  line.group("Limits");
+  line.real("--time-limit", "SECONDS",
+            "Search so long for the best plan and a bound (default: 10).",
+            options.limits.time_limit, Sign::Positive);
+  line.whole("--memory-limit", "MIB",
+             "Stop the search where its tables hold more than this (default: three quarters of the "
+             "machine's memory).",
+             options.limits.memory_limit, 1, std::uint64_t{1} << 40);
+  line.whole("--threads", "N", "Threads of the search (default: all of the machine's).",
+             options.limits.threads, 1, 4096);
+  line.group("Output");
+  line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp report hubble -o hubble.html\n"
+      "  orasp report product.json first.json second.json -o both.html\n"
+      "  orasp report lattice --sample-count 1000 -o lattice.html\n"
+      "\n"
+      "Exit codes: 0 written, 10 written, but a plan breaks rules or none exists (proved),\n"
+      "20 written, but a limit stopped the search for a plan, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -27,5 +28,9 @@ struct ReportOptions {
 /// its plans, its figures as files, or both; the figures show the first plan that breaks no rule.
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const ReportOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp report`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int report_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

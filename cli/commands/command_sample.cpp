@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/random_rewards.h"
@@ -180,6 +182,34 @@ int run(const SampleOptions& options, const Context& context) {
                [&] { return summary(problem, sample, figures, compared, options, context); });
   if (sample.rewards.size() == options.count) return kSolved;
   return exit_code(sample.last);
+}
+
+int sample_command(const Arguments& arguments) {
+  SampleOptions options;
+  bool quiet = false;
+  CommandLine line("sample",
+                   "Draws random legal sequences, every legal action of a state as likely as any\n"
+                   "other, and describes their rewards.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Sample");
+  line.whole("-n,--count", "N", "Sequences to draw (default: 100).", options.count, 1);
+  add_seed_option(line, options.seed, "the sample");
+  line.text("--policy", "FILE",
+            "Say too what this policy of `orasp train` earns, and the best plan that auto finds in "
+            "the time limit, or 10 s (default: neither).",
+            options.policy);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet, "the figures and all rewards");
+  line.flag("--sequences", options.sequences,
+            "Add the sequences to the JSON (default: rewards alone).");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp sample hubble-free -n 1000\n"
+      "  orasp sample jwst -n 100 --seed 7 --json --sequences\n"
+      "\n"
+      "Exit codes: 0 drawn, 10 proved infeasible, 20 a limit stopped it, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

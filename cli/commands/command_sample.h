@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -22,5 +23,9 @@ struct SampleOptions {
 /// `orasp sample PROBLEM`: rewards of uniformly random legal sequences. @returns the exit code.
 /// @throws InputError.
 [[nodiscard]] int run(const SampleOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp sample`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int sample_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/text.h"
 #include "orasp/io/atomic_file.h"
@@ -53,6 +55,22 @@ int run(const ScenariosOptions& options, const Context& context) {
   if (!options.output.empty()) write_file(options.output, text);
   context.print(text);
   return kSolved;
+}
+
+int scenarios_command(const Arguments& arguments) {
+  ScenariosOptions options;
+  bool quiet = false;
+  CommandLine line("scenarios", "Lists the built-in problems, or prints one as a problem file.");
+  line.positional("[NAME]", options.name, "a scenario: hubble, grid:5x5 (default: list them)");
+  add_output_options(line, options.json, options.output, quiet, "the list or the problem");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp scenarios\n"
+      "  orasp scenarios lattice > lattice.json\n"
+      "  orasp scenarios tree:500:7 | orasp sample - -n 10\n"
+      "\n"
+      "Exit codes: 0 printed, 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/reward_statistics.h"
@@ -203,6 +205,43 @@ int run(const SimulateOptions& options, const Context& context) {
                [&] { return summary(problem, outcome, figures, attempts, options); });
   if (outcome.status == Status::Infeasible) return kNoPlan;
   return outcome.simulation.stop == Stop::None ? kSolved : kStopped;
+}
+
+int simulate_command(const Arguments& arguments) {
+  SimulateOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "simulate",
+      "Executes a plan or a policy with random failures, again and again, and describes\n"
+      "the rewards and the attempts. The mean agrees with the computed expectation.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Followed");
+  line.text(
+      "--plan", "FILE",
+      "Follow this plan; where its next connection is not legal, replan; - for standard input "
+      "(default: an optimal policy, solved first).",
+      options.plan);
+  line.text(
+      "--policy", "FILE",
+      "Follow this policy of `orasp solve -o`; - for standard input (default: an optimal one, "
+      "solved first).",
+      options.policy);
+  line.group("Simulation");
+  line.whole("-n,--count", "N", "Runs (default: 10000).", options.count, 1);
+  add_seed_option(line, options.seed, "the failures");
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits, "", false);
+  add_output_options(line, options.json, options.output, quiet, "the figures");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp simulate product.json\n"
+      "  orasp solve product.json -o policy.json && orasp simulate product.json --policy "
+      "policy.json\n"
+      "  orasp simulate product.json --plan plan.json -n 100000 --seed 7 --json\n"
+      "\n"
+      "Exit codes: 0 simulated, 10 proved infeasible, 20 a limit or Ctrl-C stopped it (the\n"
+      "runs so far are described), 30 wrong input.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

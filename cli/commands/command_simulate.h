@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -21,5 +22,9 @@ struct SimulateOptions {
 
 /// `orasp simulate PROBLEM`: runs with random failures. @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const SimulateOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp simulate`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int simulate_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -8,11 +8,14 @@
 #include <fmt/format.h>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/fleet_summary.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
+#include "orasp/bounds/bounds.h"
 #include "orasp/explain/alternatives.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/atomic_file.h"
@@ -289,6 +292,68 @@ int run(const SolveOptions& options, const Context& context) {
   context.print(options.json ? plan : summary(problem, result, alternatives, options, context));
   const int code = exit_code(result);
   return code == kSolved && alternatives.stop != Stop::None ? kStopped : code;
+}
+
+int solve_command(const Arguments& arguments) {
+  SolveOptions options;
+  bool quiet = false;
+  CommandLine line(
+      "solve", "Finds a plan: the order in which to take a product apart, or to put it together.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Method");
+  line.text("--method", "METHOD", "One of those below (default: auto).", options.method);
+  add_seed_option(line, options.seed, "the methods that draw random numbers");
+  line.text(
+      "--bound", "BOUND",
+      fmt::format(
+          "orasp-search, a-star, beam, q-learning: the upper bound on what is left: {} (default: "
+          "best; none is the paper's).",
+          fmt::join(kBoundNames, ", ")),
+      options.bound);
+  line.text("--policy", "FILE",
+            "dqn: plan with this policy of `orasp train` (default: train one first).",
+            options.policy);
+  line.text("--write-model", "FILE",
+            "mip: write the integer program to FILE.lp or FILE.mps for another solver, and solve "
+            "nothing (default: solve it).",
+            options.write_model);
+  line.text("--sweep-order", "ORDER",
+            "value-iteration: layers, or textbook as in the paper (default: layers).",
+            options.sweep_order);
+  line.real("--epsilon", "REWARD",
+            "value-iteration: stop when no value changed by this much (default: 1e-9).",
+            options.epsilon, Sign::Positive);
+  line.whole("--max-sweeps", "N", "value-iteration: stop after N sweeps (default: none).",
+             options.max_sweeps, 1);
+  line.real("--initial-value", "REWARD",
+            "value-iteration: value of every state to begin with (default: 0).",
+            options.initial_value, Sign::Any);
+  line.whole(
+      "--steps", "N",
+      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+      "fewest possible).",
+      options.steps, 1, 1'000'000);
+  line.group("Other plans");
+  line.flag("--count", options.count,
+            "Count the optimal sequences; builds H whatever the method (default: do not).");
+  line.whole("--alternatives", "K",
+             "List the K best plans; builds H whatever the method (default: the one plan).",
+             options.alternatives, 1, 1'000'000);
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits);
+  add_output_options(line, options.json, options.output, quiet, "the plan (format orasp-plan/1)");
+  line.footer(methods_help() +
+              "\nExamples:\n"
+              "  orasp solve hubble\n"
+              "  orasp solve product.json --method orasp-search --time-limit 60 -o plan.json\n"
+              "  orasp solve jwst --objective time --direction assembly --time-limit 10\n"
+              "  orasp solve lattice --count --alternatives 3\n"
+              "  orasp solve fleet-lattice --objective travel --steps 5\n"
+              "  orasp scenarios grid:4x4 | orasp solve - --json\n"
+              "\n"
+              "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
+              "(the best plan so far is printed), 30 wrong input, 40 internal error.");
+  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
 }
 
 }  // namespace orasp::cli

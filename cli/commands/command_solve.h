@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 
 namespace orasp::cli {
@@ -31,5 +32,9 @@ struct SolveOptions {
 
 /// `orasp solve PROBLEM`: finds a plan and prints it. @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const SolveOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp solve`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int solve_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

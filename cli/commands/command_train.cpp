@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/options/command_line.h"
+#include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/text.h"
 #include "orasp/io/atomic_file.h"
@@ -212,6 +214,110 @@ int run(const TrainOptions& options, const Context& context) {
   print_result(context, "", options.json, as_json(problem, training, options),
                [&] { return summary(problem, training, options); });
   return exit_code(training.result);
+}
+
+int train_command(const Arguments& arguments) {
+  TrainOptions options;
+  bool quiet = false;
+  DqnOptions& dqn = options.dqn;
+  bool no_double_q = false;
+  bool no_returns = false;
+  bool no_known_reward = false;
+  bool no_scaling = false;
+  bool to_the_end = false;
+  CommandLine line("train",
+                   "Learns a policy by deep Q-learning: a network that says in every state which\n"
+                   "connection to handle next. `orasp solve --method dqn --policy` plans with it.");
+  line.positional("PROBLEM", options.problem, kProblemHelp);
+  line.group("Training");
+  line.text("-o,--output", "FILE",
+            "Write the policy to FILE, now and then and at the end (default: none).",
+            options.policy);
+  line.text("--resume", "FILE", "Go on from this policy (default: begin anew).", options.resume);
+  line.text("--log", "FILE", "Write a line of JSON after every round of episodes (default: none).",
+            options.log);
+  line.real("--checkpoint-every", "SECONDS", "Write the policy this often (default: 30).",
+            options.checkpoint_every, Sign::Positive);
+  line.whole("--episodes", "N",
+             "Episodes to play in all (default: 5000, and 20000 from 128 connections on).",
+             dqn.episodes, 1);
+  add_seed_option(line, dqn.seed, "the network's first weights and the random actions");
+  line.text("--device", "DEVICE", "auto, cpu or cuda (default: auto).", dqn.device);
+  line.flag("--to-the-end", to_the_end,
+            "Play all episodes (default: stop when the policy's plan earns the proved bound).");
+  line.group("As in the paper");
+  line.value("--hidden", "N,N,...",
+             "Units of the hidden layers (default: two of 128, or of the connections if they are "
+             "more).",
+             [&dqn](const std::string& given) {
+               dqn.hidden = whole_numbers("--hidden", given, 1, 65'536);
+             });
+  line.real("--learning-rate", "RATE", "Of AdamW (default: 0.001).", dqn.learning_rate,
+            Sign::Positive);
+  line.whole("--batch", "N", "Steps in a gradient step (default: three times the connections).",
+             dqn.batch, 1, 1'000'000);
+  line.whole("--replay", "N", "Steps remembered (default: 100000).", dqn.replay, 1, 100'000'000);
+  line.real("--discount", "SHARE", "Of the rewards to come (default: 1).", dqn.discount,
+            Sign::Share);
+  line.real("--epsilon-start", "SHARE", "Random actions at first (default: 0.85).",
+            dqn.epsilon_start, Sign::Share);
+  line.real("--epsilon-end", "SHARE", "Random actions in the end (default: 0.05).", dqn.epsilon_end,
+            Sign::Share);
+  line.real("--epsilon-decay", "STEPS", "Steps in which they fall by 1/e (default: 1000).",
+            dqn.epsilon_decay, Sign::Positive);
+  line.real("--target-rate", "SHARE",
+            "What the target network takes over at each gradient step (default: 0.01).",
+            dqn.target_rate, Sign::Share);
+  line.real("--gradient-clip", "SIZE", "Cut the gradient's components here (default: 100).",
+            dqn.gradient_clip, Sign::Positive);
+  line.real("--curriculum", "SHARE",
+            "Share of the episodes in which the network takes over ever earlier, having begun with "
+            "the last connection (default: 0.5).",
+            dqn.curriculum, Sign::Share);
+  line.group("Beyond the paper");
+  line.whole("--environments", "N",
+             "Episodes side by side that explore, beside one that acts greedily (default: 7, "
+             "and 31 from 128 connections on).",
+             dqn.environments, 1, 65'536);
+  line.whole("--updates-per-step", "N",
+             "Gradient steps for each step of all episodes (default: 1).", dqn.updates_per_step, 1,
+             1'000'000);
+  line.whole("--n-step", "N",
+             "Rewards that a target takes from its episode before the network's estimate; 0: all "
+             "(default: 5).",
+             dqn.n_step, 0);
+  line.real("--imitation", "SHARE",
+            "Share of each batch that is taken from the best episode (default: 0.1).",
+            dqn.imitation, Sign::Share);
+  line.flag("--no-double-q", no_double_q,
+            "Let the target network choose the action it values (default: the network chooses).");
+  line.flag("--no-returns", no_returns,
+            "Let a target be below what its episode earned (default: never).");
+  line.flag("--no-known-reward", no_known_reward,
+            "Let the network learn each step's own reward too (default: it is added).");
+  line.flag("--no-scaling", no_scaling,
+            "Learn rewards as they are (default: centred and scaled by random episodes).");
+  add_problem_options(line, options.changes);
+  add_limit_options(line, options.limits, "", false);
+  line.group("Output");
+  line.flag("--json", options.json, "Print the outcome as JSON (default: text for people).");
+  line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
+  line.footer(
+      "\nExamples:\n"
+      "  orasp train hubble-upc -o policy.pt\n"
+      "  orasp solve hubble-upc --method dqn --policy policy.pt\n"
+      "  orasp train jwst-upc -o policy.pt --time-limit 600 --log training.jsonl\n"
+      "  orasp train jwst-upc --resume policy.pt -o policy.pt --time-limit 600\n"
+      "\n"
+      "Exit codes: 0 trained, 10 proved infeasible, 20 a limit or Ctrl-C stopped it (the\n"
+      "best policy so far is written), 30 wrong input or no libtorch.");
+  if (!line.parse(arguments)) return kSolved;
+  dqn.double_q = !no_double_q;
+  dqn.returns = !no_returns;
+  dqn.known_reward = !no_known_reward;
+  dqn.scale = !no_scaling;
+  dqn.stop_when_proved = !to_the_end;
+  return run(options, Context(quiet));
 }
 
 }  // namespace orasp::cli

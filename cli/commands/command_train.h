@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
 #include "orasp/learning/dqn.h"
 
@@ -22,5 +23,9 @@ struct TrainOptions {
 /// `orasp train PROBLEM`: learns a policy and writes it. @returns the exit code. @throws
 /// InputError.
 [[nodiscard]] int run(const TrainOptions& options, const Context& context);
+
+/// Reads the words that stand behind `orasp train`, prints the help where they ask for it, and runs it.
+/// @returns the exit code. @throws InputError.
+[[nodiscard]] int train_command(const Arguments& arguments);
 
 }  // namespace orasp::cli
