@@ -70,6 +70,7 @@
 #include "orasp/learning/environment.h"
 #include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
+#include "orasp/model/plan_check.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/random.h"
 #include "orasp/model/scenario_generators.h"

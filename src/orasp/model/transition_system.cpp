@@ -838,6 +838,12 @@ const ConnectionSet& TransitionSystem::kept() const {
   return rules_->kept;
 }
 
+Situation TransitionSystem::situation() const {
+  Situation now{rules_->start, rules_->kept, rules_->not_next, rules_->late};
+  for_each_connection(kept().view(), [&](ConnectionIndex c) { now.open.insert(c); });
+  return now;
+}
+
 ConnectionSet TransitionSystem::present(SetView open) const {
   ConnectionSet there(num_connections());
   for (ConnectionIndex c = 0; c < num_connections(); ++c) {

@@ -113,6 +113,8 @@ class TransitionSystem {
   [[nodiscard]] bool ordered() const;
   /// Connections that are open and never handled (Situation::inaccessible).
   [[nodiscard]] const ConnectionSet& kept() const;
+  /// The situation in which the work begins: what it was made with, as far as it matters.
+  [[nodiscard]] Situation situation() const;
   /// The connections that are physically there in the state `open`.
   [[nodiscard]] ConnectionSet present(SetView open) const;
 

@@ -1,65 +1,97 @@
 #include "orasp/model/validate.h"
 
+#include <algorithm>
+#include <cassert>
+#include <set>
+#include <stdexcept>
+#include <unordered_map>
+
+#include "orasp/model/detail/plan_replay.h"
+#include "orasp/model/detail/wording.h"
+
 namespace orasp {
 
 namespace {
 
-std::vector<std::string> ids_of(const Problem& problem, std::span<const ConnectionIndex> sequence) {
-  std::vector<std::string> ids;
-  ids.reserve(sequence.size());
-  for (const ConnectionIndex c : sequence) ids.push_back(problem.connection_id(c));
-  return ids;
+/// The rules found broken at one step by the replay are those found by the planners' own.
+void expect_agreement(const std::set<Constraint>& found, const std::vector<Violation>& violations,
+                      std::size_t step, const std::string& id) {
+  std::set<Constraint> named;
+  for (const Violation& violation : violations) named.insert(violation.constraint);
+  if (named != found) {
+    throw std::logic_error("the check of plans and the rules of planners disagree about step " +
+                           std::to_string(step) + ", " + detail::in_quotes(id));
+  }
 }
 
 }  // namespace
 
 Evaluation evaluate(const TransitionSystem& system, std::span<const std::string> sequence) {
   const Problem& problem = system.problem();
-  Expander expander(system);
-  Evaluation evaluation;
-  ConnectionSet open = system.start();
+  const std::size_t connections = problem.num_connections();
+  std::unordered_map<std::string_view, ConnectionIndex> by_id;
+  for (ConnectionIndex c = 0; c < connections; ++c) by_id.emplace(problem.connection_id(c), c);
+  // An id that the problem does not have becomes a position that it does not have.
+  std::vector<ConnectionIndex> indices;
+  indices.reserve(sequence.size());
+  for (const std::string& id : sequence) {
+    const auto found = by_id.find(id);
+    indices.push_back(found != by_id.end() ? found->second
+                                           : static_cast<ConnectionIndex>(connections));
+  }
 
-  const auto report = [&](std::size_t step, const std::string& id, Constraint constraint,
-                          std::string message) {
-    evaluation.violations.push_back({step, id, {constraint, "", std::move(message), {}}});
+  detail::PlanReplay replay = detail::replay(problem, system.situation(), indices, true);
+  Evaluation evaluation;
+  evaluation.valid = replay.faults.empty();
+  evaluation.reward = replay.reward;
+  evaluation.steps = std::move(replay.steps);
+  if (evaluation.valid) return evaluation;
+
+  // The words for what is wrong.
+  Expander expander(system);
+  ConnectionSet open = system.start();
+  auto fault = replay.faults.begin();
+  const auto found_at = [&](std::size_t step) {
+    std::set<Constraint> found;
+    for (; fault != replay.faults.end() && fault->step == step; ++fault)
+      found.insert(fault->constraint);
+    return found;
   };
-  if (auto reason = system.infeasibility();
-      reason && reason->constraint == Constraint::MaxSubassemblies) {
+  if (!found_at(0).empty()) {
+    auto reason = system.infeasibility();
+    if (!reason) throw std::logic_error("the check of plans and the rules disagree at the start");
     evaluation.violations.push_back({0, "", std::move(*reason)});
   }
-  const auto by_id = [&] {
-    std::unordered_map<std::string_view, ConnectionIndex> map;
-    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c)
-      map.emplace(problem.connection_id(c), c);
-    return map;
-  }();
-
+  const auto report = [&](std::size_t step, const std::string& id, std::string message) {
+    evaluation.violations.push_back({step, id, {Constraint::NotOpen, "", std::move(message), {}}});
+  };
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     const std::string& id = sequence[i];
-    const auto found = by_id.find(id);
-    if (found == by_id.end()) {
-      report(i + 1, id, Constraint::NotOpen, "the problem has no connection \"" + id + "\"");
+    const std::set<Constraint> found = found_at(i + 1);
+    if (indices[i] >= connections) {
+      report(i + 1, id, "the problem has no connection \"" + id + "\"");
       continue;
     }
-    const ConnectionIndex c = found->second;
-    for (Violation& violation : expander.violations(open.view(), c)) {
-      evaluation.violations.push_back({i + 1, id, std::move(violation)});
+    if (!found.empty()) {
+      std::vector<Violation> violations = expander.violations(open.view(), indices[i]);
+      expect_agreement(found, violations, i + 1, id);
+      for (Violation& violation : violations)
+        evaluation.violations.push_back({i + 1, id, std::move(violation)});
     }
-    if (!open.contains(c)) continue;
-    evaluation.steps.push_back(expander.step(open.view(), c));
-    evaluation.reward += evaluation.steps.back().reward;
-    open.erase(c);
+    if (open.contains(indices[i])) open.erase(indices[i]);
   }
-  for_each_connection(open.view(), [&](ConnectionIndex c) {
-    report(sequence.size() + 1, problem.connection_id(c), Constraint::NotOpen,
-           "\"" + problem.connection_id(c) + "\" is missing at the end of the sequence");
-  });
-  evaluation.valid = evaluation.violations.empty();
+  for (; fault != replay.faults.end(); ++fault) {
+    const std::string& id = problem.connection_id(fault->connection);
+    report(fault->step, id, "\"" + id + "\" is missing at the end of the sequence");
+  }
   return evaluation;
 }
 
 Evaluation evaluate(const TransitionSystem& system, std::span<const ConnectionIndex> sequence) {
-  return evaluate(system, ids_of(system.problem(), sequence));
+  std::vector<std::string> ids;
+  ids.reserve(sequence.size());
+  for (const ConnectionIndex c : sequence) ids.push_back(system.problem().connection_id(c));
+  return evaluate(system, ids);
 }
 
 Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence) {
@@ -67,7 +99,7 @@ Evaluation evaluate(const Problem& problem, std::span<const std::string> sequenc
 }
 
 Evaluation evaluate(const Problem& problem, std::span<const ConnectionIndex> sequence) {
-  return evaluate(TransitionSystem(problem), ids_of(problem, sequence));
+  return evaluate(TransitionSystem(problem), sequence);
 }
 
 }  // namespace orasp

@@ -28,9 +28,11 @@ struct Evaluation {
 
 /// Replays `sequence` (connection ids in the order of the problem's direction) and reports
 /// everything that is wrong with it: unknown ids, repeated connections, missing ones, every
-/// violated constraint. Shares nothing with the planners; each step is judged on its own by
-/// Expander::step and Expander::violations, which follow the definitions of docs/format.md and not
-/// the one-pass analysis that planners use. O(steps * (parts + connections)).
+/// violated constraint. What is valid, the facts of steps and their rewards come from the replay
+/// behind check_plan (model/plan_check.h), which shares no formula with the planners. The words for
+/// a violation come from Expander::violations. O(steps * parts), the size of the steps' lists, and
+/// O(parts + connections) more for each step that breaks a rule.
+/// @throws std::logic_error if the two disagree about what a step breaks, InputError as check_plan.
 [[nodiscard]] Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence);
 [[nodiscard]] Evaluation evaluate(const Problem& problem,
                                   std::span<const ConnectionIndex> sequence);

@@ -1,0 +1,523 @@
+#include "orasp/model/detail/plan_replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "orasp/model/detail/checked_reward.h"
+#include "orasp/model/detail/wording.h"
+
+namespace orasp::detail {
+
+namespace {
+
+/// Two masses that differ by less, relatively, are the same to a user (0.1 + 0.2 and 0.3).
+constexpr double kSameMass = 1e-9;
+
+/// Positions in the sequence, from 1, and the two times outside it.
+constexpr std::size_t kBeforeAll = 0;
+constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
+
+/// Parts that hang together, and what is added up over them.
+struct Piece {
+  std::size_t parts = 1;
+  double mass = 0;
+  Vector3 positions{};
+  std::size_t without_position = 0;
+  PartIndex earliest = 0;
+
+  void take_in(const Piece& other) {
+    parts += other.parts;
+    mass += other.mass;
+    for (std::size_t axis = 0; axis < 3; ++axis) positions[axis] += other.positions[axis];
+    without_position += other.without_position;
+    earliest = std::min(earliest, other.earliest);
+  }
+};
+
+class Replayer {
+ public:
+  Replayer(const Problem& problem, const Situation& situation,
+           std::span<const ConnectionIndex> sequence, bool with_steps)
+      : problem_(problem),
+        situation_(situation),
+        sequence_(sequence),
+        assembly_(problem.direction() == Direction::Assembly),
+        reward_(problem),
+        with_steps_(with_steps),
+        whole_steps_(with_steps || reward_.needs_step()) {}
+
+  PlanReplay run();
+
+ private:
+  /// A step that can be made: its position in the sequence, and how many of them come before it.
+  struct Made {
+    std::size_t time;
+    std::size_t place;
+    ConnectionIndex connection;
+  };
+
+  [[nodiscard]] bool to_be_handled(ConnectionIndex c) const {
+    return situation_.open.contains(c) && !situation_.inaccessible.contains(c);
+  }
+  void find_times();
+  void judge_precedence();
+  [[nodiscard]] bool there(ConnectionIndex c, std::size_t time) const {
+    return assembly_ ? handled_at_[c] < time : handled_at_[c] >= time;
+  }
+  /// The connection that stands in the way, by one clause, of handling `c` at `time`.
+  [[nodiscard]] std::optional<ConnectionIndex> held_back(const PrecedenceClause& clause,
+                                                         std::size_t time) const;
+  [[nodiscard]] bool all_there(const PrecedenceClause& clause, std::size_t time) const;
+
+  void start_pieces();
+  void merge(ConnectionIndex c);
+  [[nodiscard]] Piece lone_piece(PartIndex part) const;
+  [[nodiscard]] double mass(const Piece& piece) const;
+  [[nodiscard]] bool first_moves(const Piece& a, const Piece& b) const;
+  template <class InOther>
+  [[nodiscard]] bool blocked(std::span<const PartIndex> few, InOther&& in_other) const;
+  [[nodiscard]] std::span<const PartIndex> members(PartIndex piece);
+  void judge_cut(const Made& step, PartIndex a, PartIndex b);
+  [[nodiscard]] bool cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const;
+  void make(const Made& step);
+  void list_sides(Step& step, PartIndex a, PartIndex b, Piece& piece_a, Piece& piece_b) const;
+  void judge_order(const Made& step);
+  [[nodiscard]] bool can_be_handled(ConnectionIndex c, std::size_t time);
+  [[nodiscard]] bool cut_allowed_apart(ConnectionIndex c, std::size_t time);
+  void judge_start();
+  void fault(const Made& step, Constraint constraint, PlanFault details = {});
+
+  const Problem& problem_;
+  const Situation& situation_;
+  std::span<const ConnectionIndex> sequence_;
+  bool assembly_;
+  CheckedReward reward_;
+  bool with_steps_;
+  bool whole_steps_;
+  PlanReplay replay_;
+
+  std::vector<Made> made_;
+  std::vector<std::size_t> handled_at_;  ///< by connection: a time
+  std::size_t to_handle_ = 0;
+  std::size_t kept_ = 0;  ///< open and inaccessible
+
+  // The pieces as they are now. A piece is called after one of its parts.
+  std::vector<PartIndex> piece_of_;
+  std::vector<PartIndex> next_;  ///< by part: the next one of the same piece, round and round
+  std::vector<Piece> pieces_;
+  std::size_t subassemblies_ = 0;
+  bool equal_masses_ = true;
+  std::vector<PartIndex> listed_;
+
+  // For late connections.
+  std::vector<ConnectionIndex> ordinary_;  ///< to be handled and not late
+  std::size_t last_ordinary_ = 0;          ///< the time after which none of them is open
+  std::vector<std::vector<const PrecedenceClause*>> clauses_;
+  std::vector<std::vector<ConnectionIndex>> around_;  ///< by part
+  std::vector<unsigned char> reached_;                ///< by part; all 0 between uses
+
+  std::vector<double> rewards_;  ///< in the order of the plan
+  double magnitude_ = 0;
+  double rounding_ = 0;
+  std::optional<std::pair<Made, CheckedReward::Value>> unfit_;  ///< the first in the plan
+};
+
+void Replayer::fault(const Made& step, Constraint constraint, PlanFault details) {
+  details.step = step.time;
+  details.constraint = constraint;
+  details.connection = step.connection;
+  replay_.faults.push_back(details);
+}
+
+void Replayer::find_times() {
+  const std::size_t connections = problem_.num_connections();
+  handled_at_.assign(connections, kBeforeAll);
+  for (ConnectionIndex c = 0; c < connections; ++c) {
+    if (!situation_.open.contains(c)) continue;
+    handled_at_[c] = kNever;
+    ++(situation_.inaccessible.contains(c) ? kept_ : to_handle_);
+  }
+  made_.reserve(sequence_.size());
+  for (std::size_t i = 0; i < sequence_.size(); ++i) {
+    const Made step{i + 1, made_.size(), sequence_[i]};
+    if (step.connection >= connections || handled_at_[step.connection] != kNever) {
+      fault(step, Constraint::NotOpen);
+    } else if (situation_.inaccessible.contains(step.connection)) {
+      fault(step, Constraint::Inaccessible);
+    } else {
+      handled_at_[step.connection] = step.time;
+      made_.push_back(step);
+    }
+  }
+  if (made_.size() == to_handle_) return;
+  for (ConnectionIndex c = 0; c < connections; ++c) {
+    if (to_be_handled(c) && handled_at_[c] == kNever)
+      fault({sequence_.size() + 1, made_.size(), c}, Constraint::NotOpen);
+  }
+}
+
+// Precedence speaks of removals: what `after` names must not be there while the connection is. A
+// connection is itself there while it is handled, in both directions.
+std::optional<ConnectionIndex> Replayer::held_back(const PrecedenceClause& clause,
+                                                   std::size_t time) const {
+  for (const ConnectionIndex other : clause.after) {
+    if (other == clause.connection || there(other, time)) return other;
+  }
+  return std::nullopt;
+}
+
+bool Replayer::all_there(const PrecedenceClause& clause, std::size_t time) const {
+  return !clause.after_any.empty() &&
+         std::ranges::all_of(clause.after_any, [&](ConnectionIndex other) {
+           return other == clause.connection || there(other, time);
+         });
+}
+
+void Replayer::judge_precedence() {
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    const std::size_t time = handled_at_[clause.connection];
+    if (time == kBeforeAll || time == kNever) continue;
+    const Made step{time, 0, clause.connection};
+    PlanFault details;
+    details.entry = clause.entry;
+    if (const auto other = held_back(clause, time)) {
+      details.other = *other;
+      fault(step, Constraint::Precedence, details);
+    }
+    if (all_there(clause, time)) fault(step, Constraint::PrecedenceAny, details);
+  }
+}
+
+Piece Replayer::lone_piece(PartIndex part) const {
+  const Part& data = problem_.parts()[part];
+  Piece piece;
+  piece.mass = data.mass;
+  piece.earliest = part;
+  if (data.position) {
+    piece.positions = *data.position;
+  } else {
+    piece.without_position = 1;
+  }
+  return piece;
+}
+
+void Replayer::start_pieces() {
+  const std::size_t parts = problem_.num_parts();
+  piece_of_.resize(parts);
+  std::iota(piece_of_.begin(), piece_of_.end(), PartIndex{0});
+  next_ = piece_of_;
+  pieces_.reserve(parts);
+  for (PartIndex part = 0; part < parts; ++part) {
+    pieces_.push_back(lone_piece(part));
+    if (problem_.parts()[part].mass != problem_.parts().front().mass) equal_masses_ = false;
+  }
+}
+
+void Replayer::merge(ConnectionIndex c) {
+  PartIndex large = piece_of_[problem_.ends(c)[0]];
+  PartIndex small = piece_of_[problem_.ends(c)[1]];
+  if (large == small) return;
+  if (pieces_[large].parts < pieces_[small].parts) std::swap(large, small);
+  if (pieces_[large].parts == 1) ++subassemblies_;
+  if (pieces_[small].parts > 1) --subassemblies_;
+  for (const PartIndex part : members(small)) piece_of_[part] = large;
+  std::swap(next_[large], next_[small]);
+  pieces_[large].take_in(pieces_[small]);
+}
+
+// The parts of a piece; valid until the next call.
+std::span<const PartIndex> Replayer::members(PartIndex piece) {
+  listed_.clear();
+  PartIndex part = piece;
+  do {
+    listed_.push_back(part);
+    part = next_[part];
+  } while (part != piece);
+  return listed_;
+}
+
+// Equal masses are multiplied, so that many of them add up without loss.
+double Replayer::mass(const Piece& piece) const {
+  return equal_masses_ ? static_cast<double>(piece.parts) * problem_.parts().front().mass
+                       : piece.mass;
+}
+
+// The side with fewer parts moves; else the lighter; else the one without the earliest part.
+bool Replayer::first_moves(const Piece& a, const Piece& b) const {
+  if (a.parts != b.parts) return a.parts < b.parts;
+  const double difference = mass(a) - mass(b);
+  if (std::abs(difference) > kSameMass * std::max(mass(a), mass(b))) return difference < 0;
+  return a.earliest > b.earliest;
+}
+
+// What one part blocks for another, the other blocks for the one along the opposite direction, so
+// it is enough to look at the blockers of the smaller side.
+template <class InOther>
+bool Replayer::blocked(std::span<const PartIndex> few, InOther&& in_other) const {
+  unsigned free = problem_.directions();
+  for (const PartIndex part : few) {
+    for (const Blocker& blocker : problem_.blockers()[part]) {
+      if (!in_other(blocker.by)) continue;
+      free &= ~static_cast<unsigned>(blocker.directions);
+      if (free == 0) return true;
+    }
+  }
+  return false;
+}
+
+// The constraints of a step between two pieces; `subassemblies_` counts the state in which they are
+// apart.
+void Replayer::judge_cut(const Made& step, PartIndex a, PartIndex b) {
+  const Limits& limits = problem_.limits();
+  PlanFault details;
+  if (limits.max_subassemblies && subassemblies_ > *limits.max_subassemblies) {
+    details.amount = subassemblies_;
+    fault(step, Constraint::MaxSubassemblies, details);
+  }
+  const Piece& moved = first_moves(pieces_[a], pieces_[b]) ? pieces_[a] : pieces_[b];
+  details.amount = moved.parts;
+  details.mass = mass(moved);
+  if (limits.max_moved_parts && moved.parts > *limits.max_moved_parts)
+    fault(step, Constraint::MaxMovedParts, details);
+  if (limits.max_moved_mass &&
+      details.mass - *limits.max_moved_mass > kSameMass * *limits.max_moved_mass)
+    fault(step, Constraint::MaxMovedMass, details);
+  if (problem_.directions() == 0) return;
+  const auto [few, many] = pieces_[a].parts <= pieces_[b].parts ? std::pair{a, b} : std::pair{b, a};
+  if (blocked(members(few), [&](PartIndex part) { return piece_of_[part] == many; }))
+    fault(step, Constraint::Blocking);
+}
+
+// The parts of both sides, ascending, and their sums in that order, as one would add them up.
+void Replayer::list_sides(Step& step, PartIndex a, PartIndex b, Piece& piece_a,
+                          Piece& piece_b) const {
+  for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
+    if (piece_of_[part] == a) step.a.push_back(part);
+    if (piece_of_[part] == b) step.b.push_back(part);
+  }
+  for (const auto& [parts, piece] : {std::pair{&step.a, &piece_a}, std::pair{&step.b, &piece_b}}) {
+    *piece = Piece{0, 0, {}, 0, parts->front()};
+    for (const PartIndex part : *parts) piece->take_in(lone_piece(part));
+  }
+}
+
+void Replayer::make(const Made& made) {
+  const auto [first, second] = problem_.ends(made.connection);
+  const PartIndex a = piece_of_[first];
+  const PartIndex b = piece_of_[second];
+  const std::size_t open = to_handle_ - made.place;
+  Step step;
+  step.connection = made.connection;
+  step.separates = a != b;
+  step.completes = open == 1;
+  step.before = assembly_ ? problem_.num_connections() - open - kept_ : open + kept_;
+  step.after = assembly_ ? step.before + 1 : step.before - 1;
+  step.subassemblies = subassemblies_;
+  SeenStep seen;
+  if (step.separates) {
+    judge_cut(made, a, b);
+    Piece piece_a = pieces_[a];
+    Piece piece_b = pieces_[b];
+    if (whole_steps_) list_sides(step, a, b, piece_a, piece_b);
+    step.a_moves = first_moves(piece_a, piece_b);
+    const Piece& moved = step.a_moves ? piece_a : piece_b;
+    step.moved_mass = mass(moved);
+    step.kept_mass = mass(step.a_moves ? piece_b : piece_a);
+    if (assembly_) {
+      step.subassemblies += 1;
+      if (piece_a.parts > 1) --step.subassemblies;
+      if (piece_b.parts > 1) --step.subassemblies;
+    }
+    seen.a_parts = piece_a.parts;
+    seen.b_parts = piece_b.parts;
+    seen.moved_parts = moved.parts;
+    if (moved.without_position == 0) {
+      const auto parts = static_cast<double>(moved.parts);
+      const Vector3& sum = moved.positions;
+      seen.moved_centroid = Vector3{sum[0] / parts, sum[1] / parts, sum[2] / parts};
+    }
+  }
+  seen.connection = step.connection;
+  seen.before = step.before;
+  seen.after = step.after;
+  seen.separates = step.separates;
+  seen.completes = step.completes;
+  seen.subassemblies = step.subassemblies;
+  seen.moved_mass = step.moved_mass;
+  seen.kept_mass = step.kept_mass;
+  seen.step = &step;
+  const CheckedReward::Value earned = reward_.of(seen);
+  if (!earned.finite && (!unfit_ || made.time < unfit_->first.time)) unfit_ = {made, earned};
+  magnitude_ += earned.magnitude;
+  rounding_ += earned.rounding;
+  step.reward = earned.reward;
+  rewards_[made.place] = earned.reward;
+  if (with_steps_) replay_.steps.push_back(std::move(step));
+}
+
+bool Replayer::cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const {
+  const Limits& limits = problem_.limits();
+  const Piece& moved = first_moves(a, b) ? a : b;
+  return (!limits.max_subassemblies || apart <= *limits.max_subassemblies) &&
+         (!limits.max_moved_parts || moved.parts <= *limits.max_moved_parts) &&
+         (!limits.max_moved_mass ||
+          mass(moved) - *limits.max_moved_mass <= kSameMass * *limits.max_moved_mass);
+}
+
+// Whether the problem's own constraints let `c`, which is open, be handled now, at `time`. The
+// pieces are those of the state at hand.
+bool Replayer::can_be_handled(ConnectionIndex c, std::size_t time) {
+  for (const PrecedenceClause* clause : clauses_[c]) {
+    if (held_back(*clause, time) || all_there(*clause, time)) return false;
+  }
+  if (!assembly_) return cut_allowed_apart(c, time);
+  const PartIndex a = piece_of_[problem_.ends(c)[0]];
+  const PartIndex b = piece_of_[problem_.ends(c)[1]];
+  if (a == b) return true;
+  if (!cut_allowed(pieces_[a], pieces_[b], subassemblies_)) return false;
+  const auto [few, many] = pieces_[a].parts <= pieces_[b].parts ? std::pair{a, b} : std::pair{b, a};
+  return problem_.directions() == 0 ||
+         !blocked(members(few), [&](PartIndex part) { return piece_of_[part] == many; });
+}
+
+// In disassembly `c` is part of a piece; what hangs together without it is found by walking there.
+bool Replayer::cut_allowed_apart(ConnectionIndex c, std::size_t time) {
+  const auto [first, second] = problem_.ends(c);
+  std::vector<PartIndex> side{first};
+  reached_[first] = 1;
+  for (std::size_t i = 0; i < side.size() && reached_[second] == 0; ++i) {
+    for (const ConnectionIndex link : around_[side[i]]) {
+      if (link == c || !there(link, time)) continue;
+      for (const PartIndex end : problem_.ends(link)) {
+        if (reached_[end] == 0) {
+          reached_[end] = 1;
+          side.push_back(end);
+        }
+      }
+    }
+  }
+  bool allowed = reached_[second] != 0;
+  if (!allowed) {
+    Piece a{0, 0, {}, 0, first};
+    for (const PartIndex part : side) a.take_in(lone_piece(part));
+    Piece b{0, 0, {}, 0, second};
+    const PartIndex whole = piece_of_[first];
+    for (const PartIndex part : members(whole)) {
+      if (reached_[part] == 0) b.take_in(lone_piece(part));
+    }
+    const std::size_t apart =
+        subassemblies_ - 1 + (a.parts > 1 ? 1U : 0U) + (b.parts > 1 ? 1U : 0U);
+    allowed = cut_allowed(a, b, apart) && !blocked(side, [&](PartIndex part) {
+                return piece_of_[part] == whole && reached_[part] == 0;
+              });
+  }
+  for (const PartIndex part : side) reached_[part] = 0;
+  return allowed;
+}
+
+// What Situation says about the order. The pieces are those of the state in which the step begins.
+void Replayer::judge_order(const Made& step) {
+  if (step.place == 0 && situation_.not_next.contains(step.connection))
+    fault(step, Constraint::NotNext);
+  if (!situation_.late.contains(step.connection) || last_ordinary_ < step.time) return;
+  for (const ConnectionIndex other : ordinary_) {
+    if (handled_at_[other] < step.time) continue;
+    if (step.place == 0 && situation_.not_next.contains(other)) continue;
+    if (!can_be_handled(other, step.time)) continue;
+    PlanFault details;
+    details.other = other;
+    fault(step, Constraint::Late, details);
+    return;
+  }
+}
+
+// Too many subassemblies in the product before it is taken apart, or when it is finished.
+void Replayer::judge_start() {
+  const auto limit = problem_.limits().max_subassemblies;
+  if (!limit || to_handle_ == 0) return;
+  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+    if (to_be_handled(c)) merge(c);
+  }
+  if (subassemblies_ <= *limit) return;
+  PlanFault details;
+  details.constraint = Constraint::MaxSubassemblies;
+  details.amount = subassemblies_;
+  replay_.faults.push_back(details);
+}
+
+PlanReplay Replayer::run() {
+  find_times();
+  judge_precedence();
+  start_pieces();
+  if (!situation_.late.empty()) {
+    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+      if (!to_be_handled(c) || situation_.late.contains(c)) continue;
+      ordinary_.push_back(c);
+      last_ordinary_ = std::max(last_ordinary_, handled_at_[c]);
+    }
+    clauses_.resize(problem_.num_connections());
+    for (const PrecedenceClause& clause : problem_.precedence())
+      clauses_[clause.connection].push_back(&clause);
+    around_.resize(problem_.num_parts());
+    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+      for (const PartIndex end : problem_.ends(c)) around_[end].push_back(c);
+    }
+    reached_.assign(problem_.num_parts(), 0);
+  }
+  rewards_.resize(made_.size());
+  // What is there in every state of the plan.
+  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+    if (handled_at_[c] == (assembly_ ? kBeforeAll : kNever)) merge(c);
+  }
+  if (assembly_) {
+    for (const Made& step : made_) {
+      judge_order(step);
+      make(step);
+      merge(step.connection);
+    }
+  } else {
+    for (auto step = made_.rbegin(); step != made_.rend(); ++step) {
+      make(*step);
+      merge(step->connection);
+      judge_order(*step);
+    }
+    std::ranges::reverse(replay_.steps);
+  }
+  judge_start();
+  if (unfit_) {
+    const auto& [step, value] = *unfit_;
+    const std::size_t open = to_handle_ - step.place + kept_;
+    const std::size_t before = assembly_ ? problem_.num_connections() - open : open;
+    throw InputError(
+        "objective: the reward of " + std::string(assembly_ ? "making " : "removing ") +
+        in_quotes(problem_.connection_id(step.connection)) + " with " + std::to_string(before) +
+        " connections present is " + (std::isnan(value.unfit) ? "not a number" : "infinite") +
+        "; rewards must be finite");
+  }
+  replay_.reward = std::accumulate(rewards_.begin(), rewards_.end(), 0.0);
+  std::ranges::stable_sort(replay_.faults, {}, &PlanFault::step);
+  replay_.tolerance = 1e-9 * std::max(1.0, magnitude_) + rounding_;
+  return std::move(replay_);
+}
+
+}  // namespace
+
+PlanReplay replay(const Problem& problem, const Situation& situation,
+                  std::span<const ConnectionIndex> sequence, bool with_steps) {
+  for (const ConnectionSet* set :
+       {&situation.open, &situation.inaccessible, &situation.not_next, &situation.late}) {
+    if (set->universe() != problem.num_connections()) {
+      throw InputError("the situation is over " + std::to_string(set->universe()) +
+                       " connections, the problem has " +
+                       std::to_string(problem.num_connections()));
+    }
+  }
+  return Replayer(problem, situation, sequence, with_steps).run();
+}
+
+}  // namespace orasp::detail

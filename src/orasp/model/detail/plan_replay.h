@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "orasp/model/problem.h"
+#include "orasp/model/situation.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp::detail {
+
+/// One rule that a plan breaks.
+struct PlanFault {
+  std::size_t step = 0;  ///< from 1; 0: the start, one more than there are: the end
+  Constraint constraint = Constraint::NotOpen;
+  ConnectionIndex connection = 0;  ///< of the step, or missing at the end
+  std::size_t entry = 0;           ///< of ProblemSpec::precedence, where that is broken
+  ConnectionIndex other = 0;       ///< the one that stands in the way (precedence, late)
+  std::size_t amount = 0;          ///< subassemblies, or parts that move
+  double mass = 0;                 ///< kg that move
+};
+
+/// A plan replayed: every broken rule, ascending by step, and what the steps earn.
+struct PlanReplay {
+  std::vector<PlanFault> faults;
+  std::vector<Step> steps;  ///< those that could be made, where they were asked for
+  double reward = 0;
+  double tolerance = 0;  ///< see PlanCheck
+};
+
+/// Replays a plan.
+/// Problem.   To judge a plan without anything that planners use: connectivity, constraints, moved
+///            piece, masses and rewards are worked out from the data of the problem.
+/// Idea.      Seen from its end, a disassembly puts the product together; an assembly does so
+///            anyway. In that order pieces only merge. Each part carries the name of its piece and
+///            is renamed when it is in the smaller one of two that merge, so it is renamed at most
+///            log2(parts) times. Masses, positions and numbers of parts are added up as pieces
+///            merge. What is there in a state is read off the times at which connections are
+///            handled.
+/// Reference. Aho, Hopcroft and Ullman (1974), The Design and Analysis of Computer Algorithms,
+///            section 4.6: merge the smaller into the larger.
+/// Guarantee. Every step that can be made (its connection exists, is open and accessible) is
+///            judged, in the state that the steps before it leave, legal or not.
+/// Cost.      O((parts + connections) log parts + size of precedence), and the blockers of a part
+///            once for each time that it is renamed. With steps asked for, or for an objective that
+///            is a function of the whole Step, O(parts) for each step more. A late step, while
+///            others are open: O(parts + connections) for each of them, at worst.
+/// Errors.    @throws InputError where an expression or a callable yields a reward that is not
+///            finite, an expression cannot be compiled, the objective is one of
+///            fleets, or the situation is over other connections.
+[[nodiscard]] PlanReplay replay(const Problem& problem, const Situation& situation,
+                                std::span<const ConnectionIndex> sequence, bool with_steps);
+
+}  // namespace orasp::detail

@@ -1,0 +1,90 @@
+#include "orasp/model/plan_check.h"
+
+#include <cmath>
+
+#include "orasp/model/detail/plan_replay.h"
+#include "orasp/model/detail/wording.h"
+
+namespace orasp {
+
+namespace {
+
+using detail::in_quotes;
+using detail::number_text;
+using detail::PlanFault;
+
+/// One sentence about a fault of a plan with so many steps.
+std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t steps) {
+  const bool assembly = problem.direction() == Direction::Assembly;
+  const Limits& limits = problem.limits();
+  const auto subassemblies = [&] {
+    return std::to_string(fault.amount) +
+           " subassemblies; limits.max_subassemblies allows at most " +
+           std::to_string(limits.max_subassemblies.value_or(0));
+  };
+  if (fault.step == 0)
+    return (assembly ? "the finished product is " : "the product at the start is ") +
+           subassemblies();
+  const std::string step = "step " + std::to_string(fault.step);
+  if (fault.connection >= problem.num_connections()) {
+    return step + " handles connection number " + std::to_string(fault.connection) +
+           ", counted from 0; the problem has " + std::to_string(problem.num_connections());
+  }
+  const std::string id = in_quotes(problem.connection_id(fault.connection));
+  if (fault.step > steps) return "the plan ends and " + id + " is missing";
+  const std::string does = step + (assembly ? " makes " : " removes ") + id;
+  const std::string clause = "precedence[" + std::to_string(fault.entry) + "]";
+  const std::string other = in_quotes(problem.connection_id(fault.other));
+  const std::string cut = step + ", which " + (assembly ? "makes " : "removes ") + id + ", ";
+  switch (fault.constraint) {
+    case Constraint::Precedence:
+      if (fault.other == fault.connection)
+        return does + ", which by " + clause + " waits for itself";
+      return does + (assembly ? " after " : " before ") + other + ", against " + clause;
+    case Constraint::PrecedenceAny:
+      return does + " while all of after_any are there, against " + clause;
+    case Constraint::MaxSubassemblies:
+      return cut + (assembly ? "starts from " : "leaves ") + subassemblies();
+    case Constraint::MaxMovedParts:
+      return cut + "moves " + std::to_string(fault.amount) +
+             " parts; limits.max_moved_parts allows at most " +
+             std::to_string(limits.max_moved_parts.value_or(0));
+    case Constraint::MaxMovedMass:
+      return cut + "moves " + number_text(fault.mass) +
+             " kg; limits.max_moved_mass allows at most " +
+             number_text(limits.max_moved_mass.value_or(0)) + " kg";
+    case Constraint::Blocking: return does + ", but blocking leaves no direction free for it";
+    case Constraint::NotOpen:
+      return does + (assembly ? ", which was made before" : ", which was removed before");
+    case Constraint::Inaccessible: return does + ", which is inaccessible";
+    case Constraint::NotNext: return does + ", which cannot be the next step";
+    case Constraint::Late:
+      return does + ", which is late, while " + other + " can be " +
+             (assembly ? "made" : "removed");
+  }
+  return does;
+}
+
+}  // namespace
+
+PlanCheck check_plan(const Problem& problem, const Situation& situation,
+                     std::span<const ConnectionIndex> sequence) {
+  const detail::PlanReplay replay = detail::replay(problem, situation, sequence, false);
+  PlanCheck check;
+  check.legal = replay.faults.empty();
+  check.reward = replay.reward;
+  check.tolerance = replay.tolerance;
+  if (!check.legal) {
+    check.step = replay.faults.front().step;
+    check.fault = sentence(problem, replay.faults.front(), sequence.size());
+  }
+  return check;
+}
+
+bool same_reward(double claimed, const PlanCheck& check) {
+  if (std::isnan(claimed) || std::isnan(check.reward))
+    return std::isnan(claimed) && std::isnan(check.reward);
+  return claimed == check.reward || std::abs(claimed - check.reward) <= check.tolerance;
+}
+
+}  // namespace orasp
