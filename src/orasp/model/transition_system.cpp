@@ -205,7 +205,7 @@ Facts Expander::Scratch::joining_facts(ConnectionIndex c, std::size_t num_open) 
 }
 
 // One step on its own, by definition: take the connection away and see what hangs together. Shares
-// nothing with the analysis of all steps at once; the checker and the explanations use it.
+// nothing with the analysis of all steps at once; drawings and explanations use it.
 Facts Expander::Scratch::flooded_facts(SetView open, ConnectionIndex c) {
   Facts facts = counts(c, count(open));
   const SetView there = present(open);

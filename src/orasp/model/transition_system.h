@@ -75,7 +75,8 @@ struct RewardRange {
 };
 
 /// The rules of the world: which actions are legal, where they lead, what they earn. They stand
-/// here and nowhere else; every planner, the environment and the checker use them.
+/// here, and every planner, the environment and the explanations use them. The check of plans
+/// (model/plan_check.h) has its own, so that each finds the other's mistakes.
 ///
 /// A *state* is the set of open connections: those still to be handled. In disassembly these are
 /// the connections still present; in assembly those still missing. So in both directions the start
