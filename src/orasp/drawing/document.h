@@ -65,7 +65,7 @@ class Document {
   std::vector<Block> blocks_;
 };
 
-/// An SVG file as an element of an HTML page: without what stands before <svg>, its ids with
+/// An SVG file as an element of an HTML page: without what stands before `<svg>`, its ids with
 /// `prefix` before them, so that several on one page do not mistake each other's.
 [[nodiscard]] std::string inline_svg(std::string_view svg, std::string_view prefix);
 

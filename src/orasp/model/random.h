@@ -5,7 +5,7 @@
 namespace orasp {
 
 /// A small generator of random numbers. The same seed gives the same numbers on every machine and
-/// with every standard library, which <random> does not promise for its distributions.
+/// with every standard library, which `<random>` does not promise for its distributions.
 ///
 /// Reference: SplitMix64, Steele, Lea and Flood (2014), OOPSLA, 453-472.
 ///

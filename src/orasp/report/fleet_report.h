@@ -27,7 +27,7 @@ struct FleetReport {
 
 /// The report as JSON, the data of the page: each plan checked by evaluate() of
 /// fleet/fleet_validate.h, what each robot does in each step, what stands where. `<` is written
-/// \u003c.
+/// `\u003c`.
 [[nodiscard]] std::string report_data(const FleetProblem& fleet, const FleetReport& report);
 
 /// The report as one HTML page that needs nothing else. @throws InputError if it would be larger

@@ -55,7 +55,7 @@ struct Report {
 /// The report as JSON, the data of the page: the problem, each plan replayed by evaluate() with the
 /// grounds of each step, H where it has at most kMaxReportStates states and kMaxReportActions
 /// actions (and what precedence takes from it), the learning curve and the distribution. All facts
-/// are worked out here; the page arranges and draws. `<` is written \u003c.
+/// are worked out here; the page arranges and draws. `<` is written `\u003c`.
 [[nodiscard]] std::string report_data(const TransitionSystem& system, const Report& report);
 
 /// The report as one HTML page that needs nothing else: no network, no other file. @throws
