@@ -21,16 +21,18 @@
 #include "tests/checks.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
 
-// Connections of the largest problem that the integer program is asked for.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t kMostForMip = 3;
+constexpr bool kInstrumented = true;
 #else
-constexpr std::size_t kMostForMip = 5;
+constexpr bool kInstrumented = false;
 #endif
+// Connections of the largest problem that the integer program is asked for.
+constexpr std::size_t kMostForMip = kInstrumented ? 3 : 5;
 constexpr int kBlocks = 12;
 constexpr std::uint64_t kSeedsInBlock = 60;
 constexpr std::uint64_t kSeeds = kBlocks * kSeedsInBlock;
@@ -40,7 +42,7 @@ class Agreement : public testing::TestWithParam<int> {
  protected:
   void for_each_seed(
       const std::function<void(const ProblemSpec&, const oracle::OracleResult&)>& check) {
-    for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
+    for (std::uint64_t i = 0; i < some_of(kSeedsInBlock); ++i) {
       const ProblemSpec spec =
           random_problem(static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i);
       SCOPED_TRACE(spec.name);
@@ -106,6 +108,8 @@ TEST_P(Agreement, EveryPlannerIsRightAboutEveryProblem) {
       if (!planner.available()) continue;
       if (planner.max_connections != 0 && problem.num_connections() > planner.max_connections)
         continue;
+      // A training takes seconds under a sanitizer; planner_contract_test.cpp does some of them.
+      if (planner.name == "dqn" && kInstrumented) continue;
       // CBC takes seconds for larger ones; mip_test.cpp has some of these.
       if (planner.name == "mip" && problem.num_connections() > kMostForMip) continue;
       SCOPED_TRACE(std::string(planner.name));
@@ -374,6 +378,7 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
 // The comparison is worth what the problems are worth: each feature must occur often among the
 // seeds.
 TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
+  if (percent_of_seeds() < 100) GTEST_SKIP() << "it is a question about all seeds";
   std::map<std::string, int> seen;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const ProblemSpec spec = random_problem(seed);

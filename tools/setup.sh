@@ -70,3 +70,15 @@ configure() {
   configured "$1" || rm -rf "${root:?}/build/$1"
   (cd "$root" && cmake --preset "$@")
 }
+
+# build_release: installs what is missing, builds everything into build/release, and compiles each header alone.
+build_release() {
+  install_packages "${test_packages[@]}"
+  mkdir -p "$root/build"
+  exec 9>"$root/build/lock"
+  flock 9
+  printf 'orasp: building %s\n' "$root/build/release" >&2
+  quietly configure release || die "the build could not be configured"
+  quietly cmake --build --preset release --target all all_verify_interface_header_sets || die "the build failed"
+  exec 9>&-
+}

@@ -25,6 +25,7 @@
 #include "tests/checks.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -167,7 +168,7 @@ class InTheMiddle : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, InTheMiddle, testing::Range(0, kBlocks));
 
 TEST_P(InTheMiddle, EveryExactPlannerAgreesWithBruteForce) {
-  for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
+  for (std::uint64_t i = 0; i < some_of(kSeedsInBlock); ++i) {
     const std::uint64_t seed = static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i;
     const ProblemSpec spec = random_problem(seed);
     SCOPED_TRACE(spec.name);
@@ -195,7 +196,7 @@ TEST_P(InTheMiddle, EveryExactPlannerAgreesWithBruteForce) {
 }
 
 TEST_P(InTheMiddle, BoundsAreAdmissibleAndConsistentWhereConnectionsAreKept) {
-  for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
+  for (std::uint64_t i = 0; i < some_of(kSeedsInBlock); ++i) {
     const std::uint64_t seed = static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i;
     const ProblemSpec spec = random_problem(seed);
     SCOPED_TRACE(spec.name);
@@ -233,7 +234,7 @@ TEST_P(InTheMiddle, BoundsAreAdmissibleAndConsistentWhereConnectionsAreKept) {
 
 TEST_P(InTheMiddle, ReplannerEqualsBruteForceThroughChangesOfEveryKind) {
   std::map<std::string, int> changes;
-  for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
+  for (std::uint64_t i = 0; i < some_of(kSeedsInBlock); ++i) {
     const std::uint64_t seed = static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i;
     ProblemSpec spec = random_problem(seed);
     SCOPED_TRACE(spec.name);
@@ -287,7 +288,7 @@ TEST_P(InTheMiddle, ReplannerEqualsBruteForceThroughChangesOfEveryKind) {
 
 TEST(Replanner, ConflictsAreFoundWhereAndOnlyWhereThereIsNoPlan) {
   int named = 0;
-  for (std::uint64_t seed = 0; seed < kBlocks * kSeedsInBlock; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(kBlocks * kSeedsInBlock); ++seed) {
     const ProblemSpec spec = random_problem(seed);
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);
@@ -366,7 +367,7 @@ void expect_same_graph(const StateGraph& one, const StateGraph& other) {
 TEST(Reweighing, EqualsGeneratingOnRandomProblemsUnderEveryObjective) {
   int done = 0;
   int differs = 0;
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(300U); ++seed) {
     ProblemSpec spec = seed % 2 == 0 ? random_problem(seed) : larger_random_problem(seed);
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);

@@ -21,6 +21,7 @@
 #include "tests/instances.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -86,7 +87,7 @@ std::vector<std::string> all_places(const ProblemSpec& spec) {
 TEST(ExplainProblem, ConflictsAreIrreducible) {
   std::map<std::size_t, std::size_t> sizes;
   std::set<Constraint> kinds;
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
     ProblemSpec spec = random_problem(seed);
     SCOPED_TRACE(spec.name);
     while (true) {
@@ -107,8 +108,8 @@ TEST(ExplainProblem, ConflictsAreIrreducible) {
       spec = with_only(spec, others);
     }
   }
-  EXPECT_GT(sizes[1], 100U);
-  EXPECT_GT(sizes[3] + sizes[4] + sizes[5] + sizes[6], 50U);
+  EXPECT_GT(sizes[1], some_of(100U));
+  EXPECT_GT(sizes[3] + sizes[4] + sizes[5] + sizes[6], some_of(50U));
   EXPECT_EQ(kinds.size(), 6U);
   for (const auto& [size, count] : sizes)
     RecordProperty("conflicts_of_" + std::to_string(size), static_cast<int>(count));
@@ -337,7 +338,7 @@ void expect_directions(const ProblemSpec& spec, const Remedy& remedy, const orac
 TEST(ExplainConnection, AgreesWithTheOracleInEveryState) {
   std::map<std::string, std::size_t> seen;
   std::size_t legal = 0, dead = 0, later = 0, never = 0;
-  for (std::uint64_t seed = 0; seed < 240; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(240U); ++seed) {
     const ProblemSpec spec = random_problem(seed);
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);
@@ -401,13 +402,13 @@ TEST(ExplainConnection, AgreesWithTheOracleInEveryState) {
       }
     }
   }
-  EXPECT_GT(legal, 500U);
-  EXPECT_GT(dead, 50U);
-  EXPECT_GT(later, 200U);
-  EXPECT_GT(never, 50U);
+  EXPECT_GT(legal, some_of(500U));
+  EXPECT_GT(dead, some_of(50U));
+  EXPECT_GT(later, some_of(200U));
+  EXPECT_GT(never, some_of(50U));
   for (const char* name :
        {"precedence", "max_subassemblies", "max_moved_parts", "max_moved_mass", "blocking"})
-    EXPECT_GT(seen[name], 20U) << name;
+    EXPECT_GT(seen[name], some_of(20U)) << name;
 }
 
 TEST(ExplainConnection, SaysWhichPartsAreInTheWay) {

@@ -18,6 +18,7 @@
 #include "orasp/model/error.h"
 #include "tests/fleet_oracle.h"
 #include "tests/instances.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -48,18 +49,11 @@ ProblemSpec shaped(ProblemSpec spec, const std::vector<std::string>& axes, std::
   return spec;
 }
 
-// CBC itself is not instrumented, and takes most of the time: a sanitizer build looks at fewer
-// problems.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::uint64_t kMakespans = 12;
-constexpr std::uint64_t kTravels = 4;
-#else
 constexpr std::uint64_t kMakespans = 60;
 constexpr std::uint64_t kTravels = 25;
-#endif
 
 TEST_F(FleetMip, AgreesWithBruteForceOnTheFewestSteps) {
-  for (std::uint64_t seed = 0; seed < kMakespans; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(kMakespans); ++seed) {
     const ProblemSpec spec = fleet_oracle::random_fleet(seed);
     SCOPED_TRACE(spec.name + " " + std::to_string(seed));
     const Problem problem(spec);
@@ -76,7 +70,7 @@ TEST_F(FleetMip, AgreesWithBruteForceOnTheFewestSteps) {
 }
 
 TEST_F(FleetMip, AgreesWithBruteForceOnTheLeastTravel) {
-  for (std::uint64_t seed = 100; seed < 100 + kTravels; ++seed) {
+  for (std::uint64_t seed = 100; seed < 100 + some_of(kTravels); ++seed) {
     const ProblemSpec spec = fleet_oracle::random_fleet(seed);
     SCOPED_TRACE(spec.name + " " + std::to_string(seed));
     const Problem problem(spec);

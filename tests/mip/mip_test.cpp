@@ -20,6 +20,7 @@
 #include "tests/instances.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -114,7 +115,7 @@ TEST(Mip, AgreesWithValueIterationOnLargerRandomProblems) {
 
 TEST(Mip, PlansWhatIsLeftWithInaccessibleConnections) {
   if (!mip_solver_available()) GTEST_SKIP() << "built without CBC";
-  for (std::uint64_t seed = 0; seed < 240; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(240U); ++seed) {
     const ProblemSpec spec = random_problem(seed);
     if (spec.connections.size() < 3 || spec.connections.size() > 6) continue;
     SCOPED_TRACE(spec.name);

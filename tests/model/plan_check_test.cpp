@@ -21,6 +21,7 @@
 #include "tests/instances.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -34,7 +35,7 @@ PlanCheck checked(const ProblemSpec& spec, const Sequence& sequence) {
   return checked(Problem(spec), sequence);
 }
 
-// ---- Against brute force and the planners' own rules ---------------------------------------------
+// ---- Against brute force and the planners' own rules --------------------------------------------
 
 /// The rules that each step breaks, by step from 1, and the sum of rewards, from the sentences of
 /// docs/format.md and model/situation.h. Step 0 is the start.
@@ -166,7 +167,7 @@ void make_a_mistake(Sequence& sequence, std::size_t connections, SplitMix64& ran
 TEST(PlanCheck, AgreesWithBruteForceOnAnyPlanOfAnyProblemInAnySituation) {
   std::map<Constraint, int> met;
   int legal = 0;
-  for (std::uint64_t seed = 0; seed < 700; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(700U); ++seed) {
     const ProblemSpec spec = random_problem(seed + 20'000);
     const Problem problem(spec);
     SplitMix64 random(seed);
@@ -197,17 +198,17 @@ TEST(PlanCheck, AgreesWithBruteForceOnAnyPlanOfAnyProblemInAnySituation) {
       ASSERT_EQ(evaluation.valid, check.legal);
     }
   }
-  EXPECT_GT(legal, 500);
+  EXPECT_GT(legal, some_of(500));
   for (const Constraint constraint :
        {Constraint::Precedence, Constraint::PrecedenceAny, Constraint::MaxSubassemblies,
         Constraint::MaxMovedParts, Constraint::MaxMovedMass, Constraint::Blocking,
         Constraint::NotOpen, Constraint::Inaccessible, Constraint::NotNext, Constraint::Late})
-    EXPECT_GT(met[constraint], 20) << constraint_name(constraint);
+    EXPECT_GT(met[constraint], some_of(20)) << constraint_name(constraint);
 }
 
 // The facts that evaluate() gives are those of Expander::step, to the last bit.
 TEST(PlanCheck, TheStepsOfAnEvaluationAreThoseOfThePlannersRules) {
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(400U); ++seed) {
     const ProblemSpec spec = seed % 4 == 0 ? larger_random_problem(seed) : random_problem(seed);
     const Problem problem(spec);
     SplitMix64 random(seed);
@@ -240,7 +241,7 @@ TEST(PlanCheck, TheStepsOfAnEvaluationAreThoseOfThePlannersRules) {
   }
 }
 
-// ---- Rewards worked out by hand ------------------------------------------------------------------
+// ---- Rewards worked out by hand -----------------------------------------------------------------
 
 /// The chain 1 - 2 - 3 - 4 with masses 1, 2, 4, 8 kg, parts at x = 0, 1, 2, 4 m and durations of
 /// 10, 20, 30 s. Removing 2-3 first cuts 1 2 (3 kg, centroid x = 0.5) from 3 4 (12 kg); removing
@@ -383,7 +384,7 @@ TEST(PlanCheck, WhichSideMovesOnATie) {
   EXPECT_EQ(checked(spec, {0}).reward, 1);
 }
 
-// ---- Every kind of fault -------------------------------------------------------------------------
+// ---- Every kind of fault ------------------------------------------------------------------------
 
 void expect_fault(const PlanCheck& check, std::size_t step, const std::string& sentence) {
   EXPECT_FALSE(check.legal);
@@ -497,7 +498,7 @@ TEST(PlanCheck, FindsWhatTheSituationForbids) {
   EXPECT_TRUE(check_plan(Problem(waits), now, Sequence{0, 1, 2}).legal);
 }
 
-// ---- Edges ---------------------------------------------------------------------------------------
+// ---- Edges --------------------------------------------------------------------------------------
 
 TEST(PlanCheck, TheSmallestProblems) {
   EXPECT_TRUE(checked(instances::nothing(), {}).legal);

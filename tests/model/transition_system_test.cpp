@@ -17,6 +17,7 @@
 #include "tests/instances.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -101,7 +102,7 @@ void expect_same_rules(Expander& expander, const TransitionSystem& system,
 class TransitionSystemOnRandomProblems : public testing::TestWithParam<int> {};
 
 TEST_P(TransitionSystemOnRandomProblems, AgreesWithTheOracleInEveryReachableState) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(60U); ++seed) {
     const ProblemSpec spec =
         random_problem(1000 + static_cast<std::uint64_t>(GetParam()) * 60 + seed);
     SCOPED_TRACE(spec.name);
@@ -118,7 +119,7 @@ TEST_P(TransitionSystemOnRandomProblems, AgreesWithTheOracleInEveryReachableStat
 
 // Many states in one call, in any company: the same actions and, bit for bit, the same rewards.
 TEST_P(TransitionSystemOnRandomProblems, ExpandsManyStatesAsOneByOne) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(60U); ++seed) {
     const ProblemSpec spec =
         random_problem(6000 + static_cast<std::uint64_t>(GetParam()) * 60 + seed);
     SCOPED_TRACE(spec.name);
@@ -148,7 +149,7 @@ TEST_P(TransitionSystemOnRandomProblems, ExpandsManyStatesAsOneByOne) {
 
 // The checker judges illegal steps too, and replanning starts anywhere.
 TEST_P(TransitionSystemOnRandomProblems, AgreesWithTheOracleInEverySetOfConnections) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(40U); ++seed) {
     const ProblemSpec spec =
         random_problem(2000 + static_cast<std::uint64_t>(GetParam()) * 40 + seed);
     SCOPED_TRACE(spec.name);
@@ -721,7 +722,7 @@ TEST(TransitionSystem, RefusesAnObjectiveOfAFleet) {
 // The code for more than one word must agree with the oracle as the code for one word does; H is
 // that of the small problem with one state for each filler in front.
 TEST(WideProblem, AgreesWithTheOracleOnEmbeddedRandomProblems) {
-  for (std::uint64_t seed = 3000; seed < 3040; ++seed) {
+  for (std::uint64_t seed = 3000; seed < 3000 + some_of(40U); ++seed) {
     ProblemSpec small = random_problem(seed);
     small.direction =
         Direction::Disassembly;  // in assembly precedence forces no order, and H would be enormous

@@ -16,6 +16,7 @@
 #include "tests/checks.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -55,7 +56,7 @@ TEST(Automatic, ProvesTheCheapestHalving) {
 TEST(Automatic, AgreesWithValueIteration) {
   std::size_t plans = 0;
   std::size_t none = 0;
-  for (std::uint64_t seed = 400; seed < 700; ++seed) {
+  for (std::uint64_t seed = 400; seed < 400 + some_of(300U); ++seed) {
     const ProblemSpec spec = larger_random_problem(seed);
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);
@@ -67,8 +68,8 @@ TEST(Automatic, AgreesWithValueIteration) {
     EXPECT_NEAR(result.reward, truth.reward, reward_tolerance(truth.reward));
     expect_optimal(problem, result);
   }
-  EXPECT_GE(plans, 100U);
-  EXPECT_GE(none, 30U);
+  EXPECT_GE(plans, some_of(100U));
+  EXPECT_GE(none, some_of(30U));
 }
 
 // No proof of a bound, by pieces, by H, by beam without a bound.
@@ -121,8 +122,8 @@ TEST_P(PublishedProblems, AreAllProvedOptimalOrInfeasible) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "minutes under a sanitizer; the release build runs it";
 #endif
-  // 011, 023 and 069 were found by exhaustive search. The others meet the bound over sizes, which no
-  // plan can exceed.
+  // 011, 023 and 069 were found by exhaustive search. The others meet the bound over sizes, which
+  // no plan can exceed.
   const std::map<std::string, double> known = {
       {"lego-009.json", -3.1176}, {"lego-011.json", -0.4100}, {"lego-023.json", 0.0735},
       {"lego-025.json", -3.0209}, {"lego-033.json", -3.1176}, {"lego-041.json", -2.9242},

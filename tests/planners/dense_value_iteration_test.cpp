@@ -18,6 +18,7 @@
 #include "tests/instances.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -79,11 +80,11 @@ class DenseAgreement : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, DenseAgreement, testing::Range(0, 12));
 
 TEST_P(DenseAgreement, IsRightAboutEveryProblem) {
-  constexpr std::uint64_t kSeedsInBlock = 60;
+  constexpr std::uint64_t kProblemsInBlock = 60;
   int optimal = 0;
-  for (std::uint64_t i = 0; i < kSeedsInBlock; ++i) {
+  for (std::uint64_t i = 0; i < some_of(kProblemsInBlock); ++i) {
     const ProblemSpec spec =
-        random_problem(static_cast<std::uint64_t>(GetParam()) * kSeedsInBlock + i);
+        random_problem(static_cast<std::uint64_t>(GetParam()) * kProblemsInBlock + i);
     SCOPED_TRACE(spec.name);
     const oracle::OracleResult truth = oracle::brute_force(spec);
     const Problem problem(spec);
@@ -102,7 +103,7 @@ TEST_P(DenseAgreement, IsRightAboutEveryProblem) {
     if (!TransitionSystem(problem).infeasibility()) expect_as_on_graph(problem);
     if (HasFailure()) return;
   }
-  EXPECT_GE(optimal, 5) << "decimal rewards must be exact";
+  EXPECT_GE(optimal, some_of(5)) << "decimal rewards must be exact";
 }
 
 // Forests in every size about the borders of lanes and blocks: 5 connections fill the lanes, 10 one

@@ -18,6 +18,7 @@
 #include "tests/checks.h"
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -311,10 +312,13 @@ TEST(Uncertain, AnAttemptWhoseFailureLeadsToADeadEndIsNotMade) {
   const auto six = [](const std::string& last) {
     return parse_problem(R"({"format": "orasp-problem/1",
       "parts": [{"id": "a"}, {"id": "b"}, {"id": "c"}, {"id": "d"}, {"id": "e"}, {"id": "f"}],
-      "connections": [{"parts": ["a", "b"], "success": 0.5, "on_failure": {"breaks": ["b-c", "d-e"]}}, {"parts": ["b", "c"]},
-                      {"parts": ["c", "d"]}, {"parts": ["d", "e"]}, {"parts": ["e", "f"])" +
+      "connections": [{"parts": ["a", "b"], "success": 0.5,
+                       "on_failure": {"breaks": ["b-c", "d-e"]}},
+                      {"parts": ["b", "c"]}, {"parts": ["c", "d"]},
+                      {"parts": ["d", "e"]}, {"parts": ["e", "f"])" +
                          last + R"(}],
-      "limits": {"max_subassemblies": 1}, "objective": {"type": "expression", "formula": "0 - 1"}})");
+      "limits": {"max_subassemblies": 1},
+      "objective": {"type": "expression", "formula": "0 - 1"}})");
   };
   const Result result = solve(six(""), "auto");
   EXPECT_NEAR(result.reward, -5, 1e-12);
@@ -330,7 +334,7 @@ TEST(Uncertain, AgreesWithADenseLinearSolve) {
   int solved = 0;
   int infeasible = 0;
   int beyond_legal_steps = 0;
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(500U); ++seed) {
     const Problem problem(make_uncertain(random_problem(seed), seed));
     if (problem.num_connections() > 6 || !problem.uncertain()) continue;
     const TransitionSystem system(problem);
@@ -373,15 +377,15 @@ TEST(Uncertain, AgreesWithADenseLinearSolve) {
     EXPECT_LE(early.reward, result.reward + reward_tolerance(result.reward)) << seed;
     EXPECT_GE(*early.bound, result.reward - reward_tolerance(result.reward)) << seed;
   }
-  EXPECT_GT(solved, 100);
-  EXPECT_GT(infeasible, 5);
-  EXPECT_GT(beyond_legal_steps, 20);
+  EXPECT_GT(solved, some_of(100));
+  EXPECT_GT(infeasible, some_of(5));
+  EXPECT_GT(beyond_legal_steps, some_of(20));
 }
 
 TEST(Uncertain, SimulationAgreesWithTheExpectationOfPlansAndPolicies) {
   int plans = 0;
   int replanned = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(60U); ++seed) {
     const ProblemSpec certain = random_problem(seed);
     const Problem problem(make_uncertain(certain, seed));
     const TransitionSystem system(problem);
@@ -410,8 +414,8 @@ TEST(Uncertain, SimulationAgreesWithTheExpectationOfPlansAndPolicies) {
     expect_mean_near(simulation, planned.values[0], what + " plan");
     if (simulation.replanned > 0) ++replanned;
   }
-  EXPECT_GT(plans, 15);
-  EXPECT_GT(replanned, 5);
+  EXPECT_GT(plans, some_of(15));
+  EXPECT_GT(replanned, some_of(5));
 }
 
 TEST(Uncertain, TheSameSeedGivesTheSameRunsAndLongerSimulationsBeginAlike) {

@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Tests `orasp evaluate`.
+
+    tests/cli/evaluate_test.py PROGRAM [unittest's arguments]
+"""
+import json
+import unittest
+
+from program import Case, assembly, orasp, smoke
+
+
+class Evaluate(Case):
+    def test_a_solved_plan_is_valid_whichever_way_it_comes(self):
+        plan = orasp("solve", "lattice", "--json").out
+        order = json.loads(plan)["disassembly"]
+        for text in [plan, json.dumps(order), "# by hand\n" + "\n".join(order) + "\n"]:
+            answer = orasp("evaluate", "lattice", "-", "--json", stdin=text)
+            self.check(answer, 0, error=r"\A\Z")
+            verdict = json.loads(answer.out)
+            self.assertEqual(set(verdict), {"valid", "reward", "steps", "violations"})
+            self.assertEqual((verdict["valid"], verdict["steps"], verdict["violations"]), (True, 12, []))
+            self.assertAlmostEqual(verdict["reward"], 0.0735, places=9)
+        self.check(orasp("evaluate", "lattice", self.file("plan", plan)), 0, out=r"the plan is valid\nreward   0\.0735\n")
+
+    @smoke
+    def test_every_violation_is_named(self):
+        problem = self.file("p.json", assembly(["1-2", "2-3", "3-4"],
+                                               precedence=[{"connection": "1-2", "after": ["3-4"]}],
+                                               limits={"max_moved_parts": 1}))
+        answer = orasp("evaluate", problem, "-", "--json", stdin='["1-2", "2-3", "2-3", "x"]')
+        self.check(answer, 10)
+        verdict = json.loads(answer.out)
+        self.assertFalse(verdict["valid"])
+        for violation in verdict["violations"]:
+            self.assertEqual(set(violation), {"step", "connection", "constraint", "message"})
+        found = [(v["step"], v["connection"], v["constraint"]) for v in verdict["violations"]]
+        self.assertEqual(found[0], (1, "1-2", "precedence"))
+        self.assertIn((4, "x"), [entry[:2] for entry in found])
+        answer = orasp("evaluate", problem, "-", stdin='["2-3", "1-2", "3-4"]')
+        self.check(answer, 10, out=r"step 1, 2-3: max_moved_parts: ")
+
+    def test_a_plan_for_another_problem_is_worth_a_warning(self):
+        plan = self.file("plan.json", orasp("solve", "4brick", "--json").out)
+        answer = orasp("evaluate", "4brick", plan, "--objective", "time")
+        self.check(answer, 0, out=r"reward   -6\n", error=r"\Aorasp: warning: .*problem_digest differs\n\Z")
+        self.check(orasp("evaluate", "4brick", plan, "--objective", "time", "--quiet"), 0, error=r"\A\Z")
+
+    def test_assembly_plans_are_read_in_their_own_direction(self):
+        plan = orasp("solve", "hubble", "--direction", "assembly", "--objective", "indexed", "--json").out
+        answer = orasp("evaluate", "hubble", "-", "--direction", "assembly", "--objective", "indexed", "--json", stdin=plan)
+        self.check(answer, 0)
+        self.assertAlmostEqual(json.loads(answer.out)["reward"], json.loads(plan)["reward"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Tests `orasp simulate`.
+
+    tests/cli/simulate_test.py PROGRAM [unittest's arguments]
+"""
+import json
+import unittest
+
+from program import Case, orasp, smoke
+
+UNCERTAIN = json.dumps({
+    "format": "orasp-problem/1", "name": "test", "parts": [{"id": part} for part in "abc"],
+    "connections": [{"parts": ["a", "b"], "success": 0.8, "on_failure": {"breaks": ["b-c"]}},
+                    {"parts": ["b", "c"], "success": 0.5}],
+    "objective": {"type": "expression", "formula": "0 - 1 - after"}})
+
+
+class Simulate(Case):
+    """The problem worked out by hand in tests/planners/uncertain_test.cpp: -3.85 in 2.85 attempts."""
+
+    def setUp(self):
+        super().setUp()
+        self.problem = self.file("uncertain.json", UNCERTAIN)
+
+    def figures(self, *arguments):
+        answer = orasp("simulate", self.problem, "--json", *arguments)
+        self.check(answer, 0)
+        return json.loads(answer.out)
+
+    def test_the_mean_agrees_with_the_expectation(self):
+        found = self.figures()
+        self.assertEqual((found["n"], found["seed"], found["aborted"], found["replanned"]), (10000, 1, 0, 0))
+        self.assertAlmostEqual(found["expected"], -3.85)
+        self.assertLess(abs(found["mean"] - found["expected"]), 3 * found["standard_error"])
+        self.assertLess(abs(found["attempts"]["mean"] - 2.85), 0.1)
+        self.assertLessEqual(found["min"], found["percentiles"]["5"])
+
+    def test_a_policy_from_solve_is_followed_and_a_worse_plan_costs_more(self):
+        policy = str(self.folder / "policy.json")
+        answer = orasp("solve", self.problem, "-o", policy)
+        self.check(answer, 0, out=r"expected reward -3\.85\n")
+        self.assertIn("most likely sequence (probability 0.8)", answer.out)
+        self.assertAlmostEqual(self.figures("--policy", policy, "-n", "100")["expected"], -3.85)
+        plan = self.file("plan.txt", "b-c\na-b\n")
+        self.assertAlmostEqual(self.figures("--plan", plan, "-n", "100")["expected"], -5.25)
+
+    @smoke
+    def test_the_same_seed_gives_the_same_bytes(self):
+        runs = [orasp("simulate", self.problem, "-n", "500", "--seed", seed, "--json").out for seed in "778"]
+        self.assertEqual(runs[0], runs[1])
+        self.assertNotEqual(runs[0], runs[2])
+
+    def test_wrong_input_is_refused_in_a_sentence(self):
+        other = self.file("other.json", orasp("solve", "lattice", "--json").out)
+        self.check(orasp("simulate", self.problem, "--plan", other), 30,
+                   error='the plan cannot be followed: step 1, "1-2": the problem has no connection "1-2"')
+        for arguments in [("--policy", other), ("--plan", "x", "--policy", "y"), ("-n", "0"), ("-n", "-3"),
+                          ("--plan", str(self.folder / "none.json"))]:
+            with self.subTest(arguments=arguments):
+                self.check_sentence(orasp("simulate", self.problem, *arguments))
+
+    def test_other_methods_say_that_they_do_not_apply(self):
+        answer = orasp("solve", self.problem, "--method", "dijkstra")
+        self.check_sentence(answer)
+        self.assertIn("dijkstra plans for attempts that always succeed", answer.error)
+
+
+if __name__ == "__main__":
+    unittest.main()
