@@ -1,5 +1,5 @@
-// The program: picks the command and turns exceptions into messages and exit codes. The options of a
-// command and what it does stand in commands/command_NAME.cpp.
+// The program: picks the command and turns exceptions into messages and exit codes. The options of
+// a command and what it does stand in commands/command_NAME.cpp.
 
 #include <algorithm>
 #include <array>

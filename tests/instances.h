@@ -58,10 +58,11 @@ namespace orasp::instances {
   return assembly(4, {{1, 2}, {3, 4}});
 }
 
-///   1 - 2 - 3 - 4 Greedy must fail here. In the middle first: -(0.1248 + 0.1248) - (0.0967 +
-///   0.0967) + 1 = 0.5570,
-///                        the optimum. At an end first: -(0.0967 + 0.1368) - (0.0967 + 0.1248) + 1 = 0.5450; but its
-///                        first step costs 0.2335 and not 0.2496, so greedy takes it.
+///   1 - 2 - 3 - 4
+///
+/// Greedy must fail here. In the middle first: -(0.1248 + 0.1248) - (0.0967 + 0.0967) + 1 = 0.5570,
+/// the optimum. At an end first: -(0.0967 + 0.1368) - (0.0967 + 0.1248) + 1 = 0.5450; but its first
+/// step costs 0.2335 and not 0.2496, so greedy takes it.
 [[nodiscard]] inline ProblemSpec greedy_trap() {
   return assembly(4, {{1, 2}, {2, 3}, {3, 4}});
 }

@@ -7,7 +7,7 @@ run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev l
 learning_packages=(libtorch-dev libopenblas0-pthread)
 mip_packages=(coinor-libcbc-dev)
 test_packages=("${run_packages[@]}" "${learning_packages[@]}" "${mip_packages[@]}" libgtest-dev libbenchmark-dev python3
-               coinor-cbc python3-scipy python3-jsonschema python3-yaml)
+               coinor-cbc python3-scipy python3-jsonschema python3-yaml clang-format-14)
 # For the tests of the report page. Node and npm may be there from elsewhere, whose packages exclude Debian's.
 command -v node >/dev/null || test_packages+=(nodejs)
 command -v npm >/dev/null || test_packages+=(npm)

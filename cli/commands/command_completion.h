@@ -15,8 +15,8 @@ struct CompletionOptions {
 /// InputError.
 [[nodiscard]] int run(const CompletionOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp completion`, prints the help where they ask for it, and runs it.
-/// @returns the exit code. @throws InputError.
+/// Reads the words that stand behind `orasp completion`, prints the help where they ask for it, and
+/// runs it. @returns the exit code. @throws InputError.
 [[nodiscard]] int completion_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

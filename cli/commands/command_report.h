@@ -29,8 +29,8 @@ struct ReportOptions {
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const ReportOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp report`, prints the help where they ask for it, and runs it.
-/// @returns the exit code. @throws InputError.
+/// Reads the words that stand behind `orasp report`, prints the help where they ask for it, and
+/// runs it. @returns the exit code. @throws InputError.
 [[nodiscard]] int report_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -17,8 +17,8 @@ struct ScenariosOptions {
 /// @throws InputError.
 [[nodiscard]] int run(const ScenariosOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp scenarios`, prints the help where they ask for it, and runs it.
-/// @returns the exit code. @throws InputError.
+/// Reads the words that stand behind `orasp scenarios`, prints the help where they ask for it, and
+/// runs it. @returns the exit code. @throws InputError.
 [[nodiscard]] int scenarios_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

@@ -33,8 +33,8 @@ struct SolveOptions {
 /// `orasp solve PROBLEM`: finds a plan and prints it. @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const SolveOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp solve`, prints the help where they ask for it, and runs it.
-/// @returns the exit code. @throws InputError.
+/// Reads the words that stand behind `orasp solve`, prints the help where they ask for it, and
+/// runs it. @returns the exit code. @throws InputError.
 [[nodiscard]] int solve_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

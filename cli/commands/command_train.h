@@ -24,8 +24,8 @@ struct TrainOptions {
 /// InputError.
 [[nodiscard]] int run(const TrainOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp train`, prints the help where they ask for it, and runs it.
-/// @returns the exit code. @throws InputError.
+/// Reads the words that stand behind `orasp train`, prints the help where they ask for it, and
+/// runs it. @returns the exit code. @throws InputError.
 [[nodiscard]] int train_command(const Arguments& arguments);
 
 }  // namespace orasp::cli

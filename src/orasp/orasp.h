@@ -4,7 +4,7 @@
 ///
 ///     #include "orasp/orasp.h"
 ///
-///     // A problem: parts, connections, constraints, an objective. Built in, from a file, or by hand.
+///     // A problem: parts, connections, constraints, an objective; built in, from a file, by hand.
 ///     orasp::Problem problem = orasp::load_scenario("hubble");
 ///     problem = orasp::read_problem("shelf.json");
 ///
@@ -31,8 +31,10 @@
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
 ///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
 ///
-///     // Learning: a policy that answers in microseconds from any state. Needs libtorch to train, not to plan.
-///     const orasp::Training training = orasp::train(system, {}, orasp::Budget::with_time_limit(60));
+///     // Learning: a policy that answers in microseconds from any state. Training needs libtorch,
+///     // planning does not.
+///     const orasp::Budget minute = orasp::Budget::with_time_limit(60);
+///     const orasp::Training training = orasp::train(system, {}, minute);
 ///     orasp::follow_policy(system, training.trained.policy, {});
 ///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.

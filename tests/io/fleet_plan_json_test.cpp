@@ -121,7 +121,8 @@ TEST(FleetPlanJson, NamesTheFaultAndItsPlace) {
       R"(steps[0].moves[0].to: no place "site 5"; places are "depot" and "site 1" to "site 4")");
   EXPECT_EQ(
       fault(move(R"(["1"])", "depot", "up")),
-      R"(steps[0].moves[0].motion: "up" is not a motion; motions are stay, +x, -x, +y, -y, +z and -z)");
+      R"(steps[0].moves[0].motion: "up" is not a motion; motions are stay, +x, -x, +y, -y, +z )"
+      R"(and -z)");
   EXPECT_EQ(fault(R"([{"connections": ["9-1"], "moves": []}])"),
             R"(steps[0].connections[0]: no connection "9-1"; connections are "1-2" to "6-9")");
   EXPECT_EQ(fault(R"([{"connections": []}])"), R"(steps[0]: the key "moves" is missing)");

@@ -38,11 +38,13 @@ std::string fault(const std::string& text) {
 
 TEST(PlanText, HasTheKeysOfTheContractInTheirOrder) {
   const Problem problem = load_scenario("4brick");
-  EXPECT_EQ(
-      plan_text(problem, plan_of_4brick(), {{"epsilon", "1e-9"}, {"order", "\"layers\""}}), R"({
+  EXPECT_EQ(plan_text(problem, plan_of_4brick(), {{"epsilon", "1e-9"}, {"order", "\"layers\""}}),
+            R"({
   "format": "orasp-plan/1",
   "problem": "4Brick",
-  "problem_digest": ")" + problem_digest(problem) + R"(",
+  "problem_digest": ")" +
+                problem_digest(problem) +
+                R"(",
   "method": "value-iteration",
   "status": "optimal",
   "reward": 0.557,
@@ -51,12 +53,16 @@ TEST(PlanText, HasTheKeysOfTheContractInTheirOrder) {
   "disassembly": ["2-3", "1-2", "3-4"],
   "assembly": ["3-4", "1-2", "2-3"],
   "steps": [
-    {"step": 1, "connection": "2-3", "reward": -0.2496, "total": -0.2496, "separates": true, "pieces": [["1", "2"], ["3", "4"]], "moved": ["3", "4"]},
-    {"step": 2, "connection": "1-2", "reward": -0.1934, "total": -0.44299999999999995, "separates": true, "pieces": [["1"], ["2"]], "moved": ["2"]},
-    {"step": 3, "connection": "3-4", "reward": 1.0, "total": 0.557, "separates": true, "pieces": [["3"], ["4"]], "moved": ["4"]}
+    {"step": 1, "connection": "2-3", "reward": -0.2496, "total": -0.2496, "separates": true, )"
+                R"("pieces": [["1", "2"], ["3", "4"]], "moved": ["3", "4"]},
+    {"step": 2, "connection": "1-2", "reward": -0.1934, "total": -0.44299999999999995, )"
+                R"("separates": true, "pieces": [["1"], ["2"]], "moved": ["2"]},
+    {"step": 3, "connection": "3-4", "reward": 1.0, "total": 0.557, "separates": true, )"
+                R"("pieces": [["3"], ["4"]], "moved": ["4"]}
   ],
   "order": [],
-  "statistics": {"states": 8, "actions": 12, "expanded": 0, "generated": 0, "reopened": 0, "pruned": 0, "sweeps": 0, "seconds": 0.0, "peak_bytes": 0},
+  "statistics": {"states": 8, "actions": 12, "expanded": 0, "generated": 0, "reopened": 0, )"
+                R"("pruned": 0, "sweeps": 0, "seconds": 0.0, "peak_bytes": 0},
   "seed": 1,
   "options": {"epsilon": 1e-9, "order": "layers"}
 }

@@ -71,7 +71,8 @@ class ConnectionBound final : public Bound {
 /// What the bounds for objectives that see the piece only (TransitionSystem::sees_piece_only) have
 /// in common, in disassembly. Such a plan earns
 ///
-///     sum over open connections of own(c)  +  sum over pieces of what their cuts gain  +  what completing adds once,
+///     sum over open connections of own(c)  +  sum over pieces of what their cuts gain
+///       +  what completing adds once,
 ///
 /// and each piece of n parts is cut exactly n - 1 times, whatever becomes of the others. A bound is
 /// then a bound on what the cuts of one piece can gain.
@@ -98,7 +99,8 @@ class PieceGains {
   /// By sizes, for a piece of n parts that ends as n - d units, so is cut n - d - 1 times, whatever
   /// their sizes:
   ///
-  ///     g(n, d) = max over a + b = n, i + j = d of gain(a, b) + g(a, i) + g(b, j),   i < a, j < b,   g(n, n - 1) = 0.
+  ///     g(n, d) = max over a + b = n, i + j = d of gain(a, b) + g(a, i) + g(b, j),   i < a, j < b,
+  ///     g(n, n - 1) = 0.
   [[nodiscard]] double by_size(std::size_t parts, std::size_t excess) const {
     return excess == 0 ? by_size_[parts] : by_excess_[excess - 1][parts];
   }
@@ -124,7 +126,9 @@ class PieceGains {
   /// The same for a piece that falls into `arms` components without some part v: each side of a cut
   /// without v lies within one of them, so v sees at least as many cuts as there are arms:
   ///
-  ///     g(n, k) = max over a + b = n of gain(a, b) + g(a) + g(b, k - 1),   b > k - 1,   v in the side of b.
+  ///     g(n, k) = max over a + b = n of gain(a, b) + g(a) + g(b, k - 1),   b > k - 1,
+  ///
+  /// where v is in the side of b.
   ///
   /// It tells a hub from a chain. Up to kMostArms, more count as that many, and up to
   /// 512 parts, beyond which it is by_size.
@@ -187,9 +191,8 @@ class PieceGains {
 /// The bound from piece sizes, from what is moved, or for each piece the better of the two.
 ///
 /// Admissible: yes. Sizes: each piece of n parts is cut n - 1 times, each cut of some size, and
-/// cuts of sizes that the
-///             limit forbids are left out. Moved parts: see PieceGains::by_parts. Other constraints only take choices
-///             away.
+/// cuts of sizes that the limit forbids are left out. Moved parts: see PieceGains::by_parts. Other
+/// constraints only take choices away.
 /// Consistent: yes, for every legal cut of S into A and B g(S) >= gain + g(A) + g(B), for each of
 /// the two, and so for
 ///             the smaller of the two.

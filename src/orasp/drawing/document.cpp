@@ -13,14 +13,21 @@ struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
 
-constexpr std::string_view kStyle = R"(
-:root { color-scheme: light dark; --ink: #1f2328; --soft: #59636e; --line: #d1d9e0; --ground: #fff; --shade: #f6f8fa }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6edf3; --soft: #9198a1; --line: #3d444d; --ground: #0d1117; --shade: #151b23 } }
-body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 62rem; color: var(--ink); background: var(--ground); font: 16px/1.5 system-ui, Helvetica, Arial, sans-serif }
-h1 { font-size: 1.7rem; line-height: 1.25 } h2 { margin-top: 2.5rem; font-size: 1.25rem; border-bottom: 1px solid var(--line) }
+constexpr std::string_view kStyle =
+    R"(
+:root { color-scheme: light dark; --ink: #1f2328; --soft: #59636e; --line: #d1d9e0; --ground: )"
+    R"(#fff; --shade: #f6f8fa }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6edf3; --soft: #9198a1; --line: #3d444d; )"
+    R"(--ground: #0d1117; --shade: #151b23 } }
+body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 62rem; color: var(--ink); )"
+    R"(background: var(--ground); font: 16px/1.5 system-ui, Helvetica, Arial, sans-serif }
+h1 { font-size: 1.7rem; line-height: 1.25 } h2 { margin-top: 2.5rem; font-size: 1.25rem; )"
+    R"(border-bottom: 1px solid var(--line) }
 code { font-size: .9em; background: var(--shade); border-radius: .25em; padding: .1em .3em }
-.table { overflow-x: auto } table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums }
-th, td { padding: .25rem .6rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: bottom }
+.table { overflow-x: auto } table { border-collapse: collapse; font-size: .85rem; )"
+    R"(font-variant-numeric: tabular-nums }
+th, td { padding: .25rem .6rem; border-bottom: 1px solid var(--line); text-align: left; )"
+    R"(vertical-align: bottom }
 td { white-space: nowrap }
 th { color: var(--soft); font-weight: 600; border-bottom-width: 2px } .r { text-align: right }
 .row { display: flex; flex-wrap: wrap; gap: 1rem; margin: 1rem 0; align-items: end }
@@ -28,7 +35,8 @@ figure { margin: 0; flex: 0 1 auto; min-width: min(8rem, 100%) }
 figure > svg { display: block; width: 100%; height: auto; background: #fff; border-radius: .4rem }
 figcaption { color: var(--soft); font-size: .85rem; margin-top: .3rem }
 @media (max-width: 40rem) { figure { width: 100% !important } }
-@media print { body { max-width: none; font-size: 10pt } figure, tr { break-inside: avoid } h2 { break-after: avoid } }
+@media print { body { max-width: none; font-size: 10pt } figure, tr { break-inside: avoid } h2 )"
+    R"({ break-after: avoid } }
 )";
 
 std::string html_text(std::string_view text) {

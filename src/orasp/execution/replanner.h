@@ -26,8 +26,8 @@ struct ReplannerOptions {
 ///     Result plan = replanner.plan();                            // as solve
 ///     replanner.done(plan.sequence[0]);                          // the cell works ...
 ///     replanner.set_accessible(plan.sequence[1], false);         // ... and the next one is stuck
-///     plan = replanner.plan();                                   // microseconds: everything but that one
-///     replanner.set_accessible(plan.sequence[1], true);          // the repair; undoing is as quick
+///     plan = replanner.plan();                                   // microseconds: all but that one
+///     replanner.set_accessible(plan.sequence[1], true);          // the repair; as quick to undo
 ///     plan = replanner.plan();
 ///
 /// Problem.    The problem that is left is that of TransitionSystem with situation(): the goal is

@@ -48,7 +48,7 @@ inline constexpr std::size_t kNumMotions = kDirectionNames.size() + 1;
 /// and connections are those of the problem.
 ///
 ///     const Problem problem = load_scenario("fleet-lattice");
-///     const FleetProblem fleet(problem);            // throws InputError where something is missing
+///     const FleetProblem fleet(problem);            // InputError where something is missing
 ///     fleet.robots();                               // 4
 ///     fleet.squared_distance(kDepot, 2);            // 5 m^2
 class FleetProblem {

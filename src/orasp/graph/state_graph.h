@@ -42,7 +42,8 @@ using ActionId = std::uint64_t;
 ///     const TransitionSystem system(problem);
 ///     const StateGraph graph = StateGraph::build(system, budget);
 ///     if (graph.stop() == Stop::None) use(graph.num_states());
-///     for (ActionId a = graph.begin(0); a < graph.end(0); ++a) use(graph.successor(a), graph.reward(a));
+///     for (ActionId a = graph.begin(0); a < graph.end(0); ++a)
+///       use(graph.successor(a), graph.reward(a));
 class StateGraph {
  public:
   /// Builds H; ends early when the budget does (then stop() says why and only whole layers are

@@ -60,10 +60,11 @@ std::string steps_text(const std::vector<Step>& steps, const std::vector<std::st
     const Step& step = steps[i];
     total += step.reward;
     text += i == 0 ? "\n" : ",\n";
-    text += fmt::format(
-        R"(    {{"step": {}, "connection": {}, "reward": {}, "total": {}, "separates": {}, "pieces": )",
-        i + 1, connection_ids[step.connection], inline_text(number_or_null(step.reward)),
-        inline_text(number_or_null(total)), step.separates);
+    text += fmt::format(R"(    {{"step": {}, "connection": {}, "reward": {}, "total": {}, )"
+                        R"("separates": {}, "pieces": )",
+                        i + 1, connection_ids[step.connection],
+                        inline_text(number_or_null(step.reward)),
+                        inline_text(number_or_null(total)), step.separates);
     if (step.separates) {
       text += "[" + id_list(step.a, part_ids) + ", " + id_list(step.b, part_ids) +
               R"(], "moved": )" + id_list(step.moved(), part_ids);

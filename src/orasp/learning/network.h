@@ -29,8 +29,8 @@ struct NetworkOptions {
 /// vectors of open connections; all matrices are row-major.
 ///
 /// Reference. The paper's network: fully connected, ReLU; smooth L1 loss; AdamW with amsgrad
-/// (Loshchilov and Hutter 2019,
-///            ICLR; Reddi et al. 2018, ICLR), weight decay 0.01; target network by averaging (Lillicrap et al. 2016, ICLR).
+/// (Loshchilov and Hutter 2019, ICLR; Reddi et al. 2018, ICLR), weight decay 0.01; target network
+/// by averaging (Lillicrap et al. 2016, ICLR).
 /// Repeatable. One thread; the same seed gives the same numbers on the same machine and libraries.
 ///
 /// Lives in a module of its own, which is loaded when the first network is made: libtorch takes 0.6

@@ -99,8 +99,8 @@ struct WeightedSum {
 
 /// What a step earns: a reward r(s, a); a plan's reward is the sum over its steps, and more is
 /// better. `type` is the name in the problem file; `parameters` says which formula of
-/// docs/format.md it is. Several types share a formula: `cubesat` and `custom` are PieceCost with their
-/// numbers filled in.
+/// docs/format.md it is. Several types share a formula: `cubesat` and `custom` are PieceCost with
+/// their numbers filled in.
 struct Objective {
   using Parameters =
       std::variant<PieceCost, CubesatZone, Indexed, TimeObjective, Travel, Fuel,

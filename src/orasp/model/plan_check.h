@@ -31,11 +31,12 @@ struct PlanCheck {
 ///            every replay by the same rules.
 /// Idea.      The plan is replayed in the direction in which pieces only merge, from the problem's
 ///            own data: ends, masses, positions, clauses, blockers, limits, and the sentences of
-///            docs/format.md about rewards, written a second time. TransitionSystem and Expander are
-///            not used.
+///            docs/format.md about rewards, written a second time. TransitionSystem and Expander
+///            are not used.
 /// Guarantee. As in TransitionSystem, `situation` says what is open, inaccessible, cannot be next
 ///            and is late; `sequence` holds the steps still to come, in the order of the problem's
-///            direction. Where attempts may fail, the reward is that of the plan in which none does.
+///            direction. Where attempts may fail, the reward is that of the plan in which none
+///            does.
 /// Cost.      O((parts + connections) log parts + size of precedence and blocking * log parts): a
 ///            few milliseconds for 16,384 parts. A callable sees whole steps: O(parts) for each of
 ///            them. A late step that is made while others are open costs O(parts + connections) for

@@ -256,8 +256,8 @@ double Expander::Scratch::mass(const Side& side) const {
   return sum;
 }
 
-// The moved piece of docs/format.md: the side with fewer parts moves; on a tie the lighter; on a tie
-// the one that does not hold the earliest listed of their parts.
+// The moved piece of docs/format.md: the side with fewer parts moves; on a tie the lighter; on a
+// tie the one that does not hold the earliest listed of their parts.
 Movement Expander::Scratch::movement(const Facts& facts) const {
   Movement result;
   const double mass_a = mass(a);

@@ -30,12 +30,11 @@ struct DenseValueIterationOptions {
 ///             objective that sees only sizes, 32 masks that differ in their lowest five bits are
 ///             worked out at once, in bytes.
 /// Fixed point. Four bytes a state where eight would be too many. The unit is the least power of
-/// ten
-///             in which no sum of rewards can overflow, by TransitionSystem::reward_range, or, where
-///             that is unknown, by the rewards met (a coarser unit and another sweep if one is too
-///             large). Decimal rewards, such as all of `cubesat`, are whole multiples: nothing is
-///             rounded. Otherwise each step is off by at most half a unit, and the value of the start
-///             plus the sum of the errors is the bound.
+/// ten in which no sum of rewards can overflow, by TransitionSystem::reward_range, or, where that
+/// is unknown, by the rewards met (a coarser unit and another sweep if one is too large). Decimal
+/// rewards, such as all of `cubesat`, are whole multiples: nothing is rounded. Otherwise each step
+/// is off by at most half a unit, and the value of the start plus the sum of the errors is the
+/// bound.
 /// Reference.  Bellman (1957); over all subsets: Held, Karp (1962), J. SIAM 10(1), 196-210.
 /// Guarantee.  Exact: Optimal, or Infeasible. In fixed point with rewards that are not whole
 ///             multiples: Feasible with a proved bound, at most connections * unit above the plan,
