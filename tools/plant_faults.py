@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""Plants faults in a copy of the tree, one at a time, and says which test catches each.
+
+    tools/plant_faults.py              all of them; the copy and its builds stay in build/faults
+    tools/plant_faults.py NAME...      some of them
+    tools/plant_faults.py --list       their names
+    tools/plant_faults.py --check      only whether each still finds its place in the sources
+
+A check that has never failed proves little. Each fault here is one that a hurried change could bring in, and names the
+build and the tests that must notice it. Where a fault's place is found by a piece of text, that text must occur exactly
+once in all of src/ and cli/, so that moving code from file to file does not matter; where it occurs no more, the fault
+is to be planted elsewhere, not dropped.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+COPY = ROOT / "build/faults/tree"
+
+
+@dataclass
+class Fault:
+    name: str
+    search: str
+    replace: str
+    preset: str
+    tests: list  # a filter of GoogleTest, or a script and its arguments
+
+
+FAULTS = [
+    Fault("threads that nobody waits for",
+          "guarded(0);", "guarded(0);\n    for (std::jthread& other : others) other.detach();",
+          "tsan", ["StateGraph*:Dense*"]),
+    Fault("two threads that share an element",
+          "changes[t] = bellman_update(", "changes[0] = bellman_update(",
+          "tsan", ["*ThreadsDoNotChangeTheAnswer*"]),
+    Fault("an array that grows one element too late",
+          "if (size_ == capacity_) reserve(", "if (size_ == capacity_ + (capacity_ == 0 ? 0 : 1)) reserve(",
+          "asan", ["StateTable*"]),
+    Fault("memory that is freed twice",
+          "static_cast<void>(data_.release());", "",
+          "asan", ["StateTable*"]),
+    Fault("a shift by all 64 bits",
+          "return size == 0 ? 0 : ~std::uint64_t{0} >>", "return ~std::uint64_t{0} >>",
+          "asan", ["SubsetRank*:*Dense*"]),
+    Fault("a bound that forgets the reward for completing",
+          "return known_ ? sum + last_surplus_ : kInfinity;", "return known_ ? sum : kInfinity;",
+          "release", ["*Agreement*"]),
+    Fault("a precedence that is lost on every eighth connection",
+          "if ((mine[w] & present) != 0) return false;", "if ((mine[w] & present) != 0 && c % 8 != 7) return false;",
+          "release", ["*Agreement*:TransitionSystem*"]),
+    Fault("a reward that takes the kept side for the moved one",
+          "const double moved_parts = std::min(facts.a_parts, facts.b_parts);",
+          "const double moved_parts = std::max(facts.a_parts, facts.b_parts);",
+          "release", ["*Agreement*:TransitionSystem*"]),
+    Fault("a replanner that forgets what is inaccessible",
+          "return !now.inaccessible.contains(c) && !(first", "return !(first",
+          "release", ["*InTheMiddle*:Replanner*"]),
+    Fault("a step of a fleet that cuts nothing",
+          "if (motions[i] != motions[j]) step.cut.push_back(c);", "if (motions[i] > motions[j]) step.cut.push_back(c);",
+          "release", ["Fleet*"]),
+    Fault("a temporary file that stays behind",
+          "::unlink(temporary.c_str());", "",
+          "release", ["WriteFile*"]),
+    Fault("a signal that stops nothing",
+          "stop.request_stop();", "",
+          "release", ["tests/cli/stopping_test.py", "Stopping.test_ctrl_c_prints_the_best_plan_so_far"]),
+]
+
+
+def sources(root):
+    return [file for folder in ("src", "cli") for ending in ("h", "cpp") for file in sorted((root / folder).rglob(f"*.{ending}"))]
+
+
+def place_of(fault, root):
+    """The one file that holds the text of a fault, or what is wrong with it."""
+    found = [(file, count) for file in sources(root) if (count := file.read_text(encoding="utf-8").count(fault.search))]
+    times = sum(count for _, count in found)
+    if times != 1:
+        where = ", ".join(str(file.relative_to(root)) for file, _ in found) or "nowhere"
+        return None, f"its place is gone: \"{fault.search}\" stands {times} times ({where}), and once is needed"
+    return found[0][0], None
+
+
+def copy_tree():
+    """Brings the copy up to date; files that are as they were keep their times, so that little is built anew."""
+    listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
+                            capture_output=True, check=True).stdout.decode().split("\0")
+    names = {name for name in listed if name and (ROOT / name).is_file()}
+    for name in names:
+        here, there = ROOT / name, COPY / name
+        if there.exists() and there.read_bytes() == here.read_bytes():
+            continue
+        there.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(here, there)
+    for file in sources(COPY):
+        if file.relative_to(COPY).as_posix() not in names:
+            file.unlink()
+
+
+def build(preset):
+    if not (COPY / "build" / preset / "build.ninja").exists():
+        subprocess.run(["cmake", "--preset", preset], cwd=COPY, check=True, capture_output=True)
+    done = subprocess.run(["cmake", "--build", "--preset", preset, "--target", "orasp_tests"], cwd=COPY,
+                          capture_output=True, text=True)
+    return done.stdout + done.stderr if done.returncode != 0 else None
+
+
+def run_tests(fault):
+    """What caught it: the name of a test and why, or nothing."""
+    presets = json.loads((COPY / "CMakePresets.json").read_text(encoding="utf-8"))["testPresets"]
+    settings = next(preset.get("environment", {}) for preset in presets if preset["name"] == fault.preset)
+    folder = COPY / "build" / fault.preset
+    steady = ["setarch", "-R"] if subprocess.run(["setarch", "-R", "true"], capture_output=True).returncode == 0 else []
+    if fault.tests[0].endswith(".py"):
+        command = [sys.executable, COPY / fault.tests[0], folder / "orasp", *fault.tests[1:]]
+    else:
+        command = [folder / "tests/orasp_tests", f"--gtest_filter={fault.tests[0]}", "--gtest_fail_fast"]
+    try:
+        done = subprocess.run([*steady, *command], env=dict(os.environ, **settings), capture_output=True, text=True,
+                              errors="replace", timeout=900)
+    except subprocess.TimeoutExpired:
+        return f"{fault.tests[-1]} (no end)"
+    if done.returncode == 0:
+        return None
+    text = done.stdout + done.stderr
+    names = (re.findall(r"^\[  FAILED  \] ([\w/.]+)", text, re.MULTILINE) or
+             re.findall(r"^\[ RUN      \] ([\w/.]+)", text, re.MULTILINE)[-1:] or
+             re.findall(r"^(?:FAIL|ERROR): (\w+)", text, re.MULTILINE) or ["a run that did not begin"])
+    reason = re.search(r"(?:ERROR|WARNING): (\w+Sanitizer: [\w -]+?)(?: on| \(|$)|runtime error: (.*)", text, re.MULTILINE)
+    return names[0] + (f" ({reason[1] or reason[2]})" if reason else "")
+
+
+def main():
+    words = sys.argv[1:]
+    known = {fault.name: fault for fault in FAULTS}
+    if words == ["--list"]:
+        print("\n".join(known))
+        return
+    if words == ["--check"]:
+        wrong = [f"{fault.name}: {why}" for fault in FAULTS if (why := place_of(fault, ROOT)[1])]
+        sys.exit("\n".join(wrong) or None)
+    if unknown := [word for word in words if word not in known]:
+        sys.exit(f"no fault \"{unknown[0]}\"; --list names them\n\n{__doc__}")
+    chosen = [known[word] for word in words] or FAULTS
+
+    copy_tree()
+    missed = 0
+    for preset in sorted({fault.preset for fault in chosen}):
+        if errors := build(preset):
+            sys.exit(f"{preset}: the tree does not build without a fault\n{errors[-4000:]}")
+        for fault in (fault for fault in chosen if fault.preset == preset):
+            file, why = place_of(fault, COPY)
+            if not why and (before := run_tests(fault)):
+                why = f"its tests fail without it: {before}"
+            if not why:
+                good = file.read_text(encoding="utf-8")
+                file.write_text(good.replace(fault.search, fault.replace), encoding="utf-8")
+                try:
+                    errors = build(preset)
+                    caught = None if errors else run_tests(fault)
+                finally:
+                    file.write_text(good, encoding="utf-8")
+                why = f"it does not compile\n{errors[-2000:]}" if errors else None
+            if why:
+                print(f"{fault.name}: NOT PLANTED, {why}", flush=True)
+            else:
+                print(f"{fault.name} ({preset}): {'caught by ' + caught if caught else 'MISSED'}", flush=True)
+            missed += bool(why) or not caught
+    sys.exit(f"{missed} of {len(chosen)} were not caught" if missed else None)
+
+
+if __name__ == "__main__":
+    main()
