@@ -44,8 +44,8 @@ struct PlanCheck {
 /// Limit.     Two masses count as the same if they differ by at most 1e-9, relatively. Where sums
 ///            of masses differ by that to the last bit, rounding decides.
 /// Errors.    @throws InputError where an expression or a callable yields a reward that is not
-///            finite, an expression cannot be compiled, the objective is one of
-///            fleets, or the situation is over other connections.
+///            finite, an expression cannot be compiled, the objective is one of fleets, or
+///            the situation is over other connections.
 [[nodiscard]] PlanCheck check_plan(const Problem& problem, const Situation& situation,
                                    std::span<const ConnectionIndex> sequence);
 
