@@ -38,7 +38,7 @@ _orasp() {
       return
       ;;
     --objective)
-      mapfile -t COMPREPLY < <(compgen -W "$objectives makespan" -- "$current"; compgen -f -- "$current")
+      mapfile -t COMPREPLY < <(compgen -W "$objectives makespan fleet_travel" -- "$current"; compgen -f -- "$current")
       return
       ;;
     --direction)

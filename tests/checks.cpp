@@ -10,11 +10,9 @@ namespace orasp {
 void expect_honest(const Problem& problem, const oracle::OracleResult& truth,
                    const Planner& planner, const Result& result) {
   // `auto` proves small problems, by whatever method it chose, and may answer in its name.
-  const bool is_auto = planner.name == "auto";
-  // `and-or` proves where its cut tree can be carried out, and otherwise has a plan and a bound.
-  // `dqn` where what it learned earns a bound.
-  const bool may_prove =
-      (planner.name == "and-or" || planner.name == "dqn") && result.status == Status::Optimal;
+  const bool is_auto = planner.role == Role::Chooser;
+  // A method that is not exact may prove a plan all the same, where it earns a bound: and-or, dqn.
+  const bool may_prove = result.status == Status::Optimal && result.bound.has_value();
   const bool proves = planner.exact || is_auto || may_prove || problem.num_connections() == 0;
   if (!is_auto) {
     EXPECT_EQ(result.method, planner.name);

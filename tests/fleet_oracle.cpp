@@ -357,6 +357,7 @@ ProblemSpec random_fleet(std::uint64_t seed) {
         {static_cast<double>(below(4)) - 1 + far, static_cast<double>(below(3)) - 1});
   }
   spec.fleet = fleet;
+  spec.objective = Objective::named("makespan");
   return spec;
 }
 

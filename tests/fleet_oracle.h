@@ -66,4 +66,9 @@ struct Truth {
 /// several, with every constraint now and then.
 [[nodiscard]] ProblemSpec random_fleet(std::uint64_t seed);
 
+/// The same problem, whose robots are to travel as little as they can.
+[[nodiscard]] inline Problem for_travel(const Problem& problem) {
+  return problem.with_objective(Objective::named("fleet_travel"));
+}
+
 }  // namespace orasp::fleet_oracle

@@ -43,12 +43,12 @@ std::vector<Objective> symmetric_objectives(const ProblemSpec& spec) {
 /// Planners that prove an optimum without trying every sequence.
 std::vector<const Planner*> exact_planners(const Problem& problem) {
   std::vector<const Planner*> chosen;
-  for (const Planner& planner : one_robot_planners()) {
-    // The integer program has objectives that it does not take, and seconds of its own:
-    // tests/mip/mip_test.cpp.
-    if (planner.exact && planner.name != "q-learning" && planner.name != "mip" &&
-        (planner.name != "exhaustive" || problem.num_connections() <= 6))
-      chosen.push_back(&planner);
+  constexpr std::size_t kMostForAllSequences = 6;
+  for (const Planner* const planner : one_robot_planners()) {
+    const bool serves =
+        planner->role == Role::Search ||
+        (planner->role == Role::Check && problem.num_connections() <= kMostForAllSequences);
+    if (planner->exact && serves && !obstacle(problem, planner->name)) chosen.push_back(planner);
   }
   return chosen;
 }
@@ -57,12 +57,7 @@ void expect_same_both_ways(const Problem& backward, bool every_planner) {
   const Problem forward = backward.with_direction(Direction::Assembly);
   const Result truth = solve(backward, "value-iteration", quick_options(), Budget{});
   for (const Planner* planner : exact_planners(forward)) {
-    // These need a bound, and none is known for an expression.
-    if (backward.objective().type == "expression" &&
-        (planner->name == "orasp-search" || planner->name == "a-star"))
-      continue;
-    if (!every_planner && planner->name != "value-iteration" && planner->name != "dijkstra")
-      continue;
+    if (!every_planner && planner->obstacle != find_planner("dijkstra").obstacle) continue;
     SCOPED_TRACE(planner->name);
     const Result result = solve(forward, planner->name, quick_options(), Budget{});
     ASSERT_EQ(result.status, truth.status);
@@ -122,8 +117,6 @@ std::array<double, 2> both_optima(const Objective& objective) {
   const Problem problem(chain_of_three(objective));
   std::array<double, 2> optima{};
   for (const Planner* planner : exact_planners(problem)) {
-    if (planner->name == "orasp-search" || planner->name == "a-star")
-      continue;  // a callable has no bound
     for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
       const Result result =
           solve(problem.with_direction(direction), planner->name, quick_options(), Budget{});

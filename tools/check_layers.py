@@ -29,6 +29,7 @@ LAYERS = {
     "drawing": {"model", "task", "graph", "io", "drawing"},
     "report": {"model", "task", "bounds", "graph", "planners", "explain", "fleet", "io", "report"},
     "catalogue": {"model", "task", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
+    "catalogue_table": {"model", "task", "bounds", "graph", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
     "orasp": {"model", "task", "bounds", "graph", "planners", "explain", "execution", "learning", "fleet", "io",
               "drawing", "catalogue"},
 }

@@ -12,7 +12,6 @@
 #include "cli/exit_codes.h"
 #include "cli/options/command_line.h"
 #include "cli/options/shared_options.h"
-#include "cli/output/fleet_summary.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
@@ -27,10 +26,9 @@ struct Row {
   std::string problem;
   std::string method;
   bool exact = false;
+  bool of_fleet = false;
   std::optional<Result> result;
   std::string message;
-  /// Of a method for fleets, whose result then holds its reward, bound and figures but no sequence.
-  std::optional<FleetResult> fleet = {};
 
   [[nodiscard]] std::string status() const {
     return result ? std::string(status_name(result->status)) : std::string("refused");
@@ -48,18 +46,14 @@ struct Row {
   }
 };
 
-/// Where no methods are named, and the problem has a fleet: every method for fleets, unless an
-/// objective of one robot is asked for. Else every exact method for one robot.
-std::vector<const Planner*> all_methods(const Problem& problem, const CompareOptions& options) {
-  const bool for_fleet =
-      problem.spec().fleet &&
-      (!options.changes.objective || fleet_objective_called(*options.changes.objective));
+/// Where no methods are named: every method for fleets, or every exact method for one robot, as the
+/// objective says; not the baseline, which takes minutes where the others take milliseconds.
+std::vector<const Planner*> all_methods(const Problem& problem) {
+  const bool of_fleet = problem.objective().of_fleet();
   std::vector<const Planner*> chosen;
   for (const Planner& planner : planners()) {
-    // The integer program is a baseline that takes minutes where the others take milliseconds.
-    if (!planner.available() || planner.name == "auto" || planner.name == "mip") continue;
-    if (for_fleet ? planner.run_fleet != nullptr : planner.exact && planner.run != nullptr)
-      chosen.push_back(&planner);
+    if (planner.role == Role::Chooser || planner.role == Role::Baseline) continue;
+    if (of_fleet ? planner.fleets : planner.exact && planner.one_robot) chosen.push_back(&planner);
   }
   return chosen;
 }
@@ -80,36 +74,12 @@ std::string message_of(const Result& result) {
   return text;
 }
 
-FleetResult run_fleet(const Problem& problem, const Planner& planner, const CompareOptions& options,
-                      const Budget& budget) {
-  const FleetProblem fleet(problem);
-  FleetOptions chosen{
-      .objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
-  if (options.changes.objective)
-    chosen.objective = *fleet_objective_called(*options.changes.objective);
-  FleetResult result = solve_fleet(fleet, planner.name, chosen, budget);
-  require_valid(fleet, result);
-  return result;
-}
-
-/// What the table shows of it.
-Result figures_of(const FleetResult& fleet) {
-  Result result;
-  result.method = fleet.method;
-  result.status = fleet.status;
-  result.stop = fleet.stop;
-  result.reward = fleet.reward;
-  result.bound = fleet.bound;
-  result.statistics = fleet.statistics;
-  result.notes = fleet.notes;
-  return result;
-}
-
 Row row_of(const Problem& problem, const std::string& name, const Planner& planner,
            const CompareOptions& options, const Context& context) {
   Row row{.problem = name,
           .method = std::string(planner.name),
           .exact = planner.exact,
+          .of_fleet = problem.objective().of_fleet(),
           .result = {},
           .message = {}};
   ProgressLine progress(context, printable(name) + ", " + row.method);
@@ -117,16 +87,11 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
   progress.attach_to(budget);
   Options planner_options;
   planner_options.seed = options.seed;
+  Task task(problem);
+  task.steps = options.steps;
   try {
-    if (plans_for_fleet(planner, problem, options.changes.objective)) {
-      row.fleet = run_fleet(problem, planner, options, budget);
-      row.result = figures_of(*row.fleet);
-    } else {
-      ProblemChanges objective;
-      objective.objective = options.changes.objective;
-      row.result = solve(changed(problem, objective), planner.name, planner_options, budget);
-      row.result->values = {};
-    }
+    row.result = solve(task, planner.name, planner_options, budget);
+    row.result->values = {};
     row.message = message_of(*row.result);
   } catch (const InputError& error) {
     row.message = error.what();
@@ -136,10 +101,9 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
 
 /// Whether what `proof` proves speaks of plans such as that of `other`.
 bool comparable(const Row& proof, const Row& other) {
-  if (proof.fleet.has_value() != other.fleet.has_value()) return false;
-  if (!proof.fleet || !proof.fleet->steps_allowed) return true;
+  if (!proof.result->steps_allowed) return true;
   // The least travel in so many steps.
-  return other.fleet->plan.makespan() <= *proof.fleet->steps_allowed;
+  return other.result->fleet_plan.makespan() <= *proof.result->steps_allowed;
 }
 
 /// Rows of one problem that contradict each other, in a sentence; empty if none do. A proved
@@ -186,9 +150,9 @@ nlohmann::ordered_json as_json(const std::vector<Row>& rows) {
                     {"generated", statistics.generated},
                     {"pruned", statistics.pruned},
                     {"message", row.message}});
-    if (row.fleet && row.has_plan()) {
-      list.back()["makespan"] = row.fleet->plan.makespan();
-      list.back()["travel"] = row.fleet->plan.travel();
+    if (row.of_fleet && row.has_plan()) {
+      list.back()["makespan"] = row.result->fleet_plan.makespan();
+      list.back()["travel"] = row.result->fleet_plan.travel();
     }
   }
   return {{"rows", std::move(list)}};
@@ -206,8 +170,7 @@ std::string csv_cell(const std::string& text) {
 }
 
 std::string as_csv(const std::vector<Row>& rows) {
-  const bool any_fleet =
-      std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
+  const bool any_fleet = std::ranges::any_of(rows, &Row::of_fleet);
   std::string text =
       "problem,method,status,reward,bound,seconds,states,actions,expanded,generated,pruned,message";
   text += any_fleet ? ",makespan,travel\n" : "\n";
@@ -221,8 +184,9 @@ std::string as_csv(const std::vector<Row>& rows) {
                         statistics.states, statistics.actions, statistics.expanded,
                         statistics.generated, statistics.pruned, csv_cell(row.message));
     if (any_fleet) {
-      text += row.fleet && row.has_plan()
-                  ? fmt::format(",{},{}", row.fleet->plan.makespan(), row.fleet->plan.travel())
+      text += row.of_fleet && row.has_plan()
+                  ? fmt::format(",{},{}", row.result->fleet_plan.makespan(),
+                                row.result->fleet_plan.travel())
                   : ",,";
     }
     text += '\n';
@@ -239,8 +203,7 @@ TextTable as_table(const std::vector<Row>& rows) {
   const bool any_message =
       std::ranges::any_of(rows, [](const Row& row) { return !row.note().empty(); });
 
-  const bool any_fleet =
-      std::ranges::any_of(rows, [](const Row& row) { return row.fleet.has_value(); });
+  const bool any_fleet = std::ranges::any_of(rows, &Row::of_fleet);
 
   TextTable table;
   table.add_column("problem", TextTable::Align::Left);
@@ -263,10 +226,10 @@ TextTable as_table(const std::vector<Row>& rows) {
         row.status(),       row.has_plan() ? reward_texts[next_reward++] : "-",
         std::move(seconds), row.result ? grouped(row.result->statistics.states) : "-"};
     if (any_fleet) {
-      const bool has_figures = row.fleet && row.has_plan();
+      const bool has_figures = row.of_fleet && row.has_plan();
       const std::vector<std::string> figures = {
-          has_figures ? fmt::to_string(row.fleet->plan.makespan()) : "-",
-          has_figures ? number_text(row.fleet->plan.travel()) : "-"};
+          has_figures ? fmt::to_string(row.result->fleet_plan.makespan()) : "-",
+          has_figures ? number_text(row.result->fleet_plan.travel()) : "-"};
       cells.insert(cells.begin() + 4, figures.begin(), figures.end());
     }
     if (any_message) cells.push_back(row.note());
@@ -279,19 +242,49 @@ std::vector<Problem> load_all(const CompareOptions& options, const Context& cont
   if (std::ranges::count(options.problems, "-") > 1)
     throw InputError("only one PROBLEM can be read from standard input");
   ProblemChanges changes = options.changes;
-  if (changes.objective && fleet_objective_called(*changes.objective))
-    changes.objective.reset();  // methods for one robot get it, or refuse it, one by one
+  changes.objective.reset();  // a problem that it does not fit is refused in its rows
   std::vector<Problem> problems;
   for (const std::string& name : options.problems)
-    problems.push_back(load_fleet_problem(name, changes, context));
+    problems.push_back(load_problem(name, changes, context));
   return problems;
 }
 
+/// A problem under the objective that is asked for, or as it is written with the reason why it
+/// cannot have that objective.
+struct Asked {
+  Problem problem;
+  std::string fault;
+
+  Asked(const Problem& written, const CompareOptions& options) : problem(written) {
+    ProblemChanges changes;
+    changes.objective = options.changes.objective;
+    if (!changes.objective) return;
+    try {
+      problem = changed(written, changes);
+    } catch (const InputError& error) {
+      fault = error.what();
+    }
+  }
+};
+
 /// Runs the methods on one problem and adds their rows. Where the methods were not named, those
 /// that refuse are left out, unless all do. @returns false when it was interrupted.
-bool add_rows(const Problem& problem, const std::string& name,
-              const std::vector<const Planner*>& methods, const CompareOptions& options,
+bool add_rows(const Problem& written, const std::string& name,
+              const std::vector<const Planner*>& named, const CompareOptions& options,
               const Context& context, std::vector<Row>& rows) {
+  const Asked asked(written, options);
+  const Problem& problem = asked.problem;
+  const std::vector<const Planner*> methods = named.empty() ? all_methods(problem) : named;
+  if (!asked.fault.empty()) {
+    for (const Planner* const planner : methods)
+      rows.push_back({.problem = name,
+                      .method = std::string(planner->name),
+                      .exact = planner->exact,
+                      .of_fleet = problem.objective().of_fleet(),
+                      .result = {},
+                      .message = asked.fault});
+    return true;
+  }
   std::vector<Row> refused;
   const std::size_t before = rows.size();
   for (const Planner* const planner : methods) {
@@ -316,9 +309,7 @@ int run(const CompareOptions& options, const Context& context) {
   std::vector<Row> rows;
   bool interrupted = false;
   for (std::size_t i = 0; i < problems.size() && !interrupted; ++i)
-    interrupted = !add_rows(problems[i], options.problems[i],
-                            methods.empty() ? all_methods(problems[i], options) : methods, options,
-                            context, rows);
+    interrupted = !add_rows(problems[i], options.problems[i], methods, options, context, rows);
 
   if (options.csv || options.markdown) {
     const std::string table = options.csv ? as_csv(rows) : as_table(rows).markdown();
@@ -368,7 +359,7 @@ int compare_command(const Arguments& arguments) {
               "  orasp compare 2x3 lattice hubble\n"
               "  orasp compare hubble --methods greedy,random,orasp-search --markdown\n"
               "  orasp compare problems/*.json --time-limit 10 --csv > table.csv\n"
-              "  orasp compare fleet-lattice fleet-hubble --objective travel\n"
+              "  orasp compare fleet-lattice fleet-hubble --objective fleet_travel\n"
               "\n"
               "Exit codes: 0 compared, whatever the methods said; 20 interrupted, the rows so\n"
               "far are printed; 30 wrong input; 40 exact methods disagree.");

@@ -6,10 +6,11 @@
 #include "cli/exit_codes.h"
 #include "cli/options/command_line.h"
 #include "cli/options/shared_options.h"
-#include "cli/output/fleet_summary.h"
+#include "cli/output/fleet_table.h"
 #include "cli/output/json_output.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
+#include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/model/validate.h"
 
@@ -67,7 +68,7 @@ std::string summary(const FleetProblem& fleet, const FleetPlan& plan,
                                  evaluation.valid ? "the plan is valid" : "the plan is not valid");
   text += fmt::format("makespan {}\ntravel   {} m^2\n", counted(evaluation.makespan, "step"),
                       number_text(evaluation.travel));
-  if (!plan.steps.empty()) text += '\n' + fleet_table(fleet, plan, context);
+  if (!plan.steps.empty()) text += '\n' + fleet_table(fleet.problem(), plan, context);
   if (!evaluation.violations.empty())
     text += fmt::format("\n{}\n", counted(evaluation.violations.size(), "violation"));
   for (const FleetViolation& found : evaluation.violations)
@@ -87,16 +88,8 @@ int evaluate_fleet_plan(const Problem& problem, const std::string& text,
         fmt::format("{}: {}", options.plan == "-" ? "standard input" : options.plan, error.what()));
   }
   warn_of_another_problem(context, file.problem_digest, problem);
-  if (options.changes.objective) {
-    const auto objective = fleet_objective_called(*options.changes.objective);
-    if (!objective)
-      throw InputError(fmt::format(
-          "--objective: the objectives of a plan of several robots are makespan and travel, not {}",
-          in_quotes(*options.changes.objective)));
-    file.objective = *objective;
-  }
   const FleetEvaluation evaluation = evaluate(fleet, file.plan);
-  const double reward = file.objective == FleetObjective::Makespan
+  const double reward = fleet.objective() == FleetObjective::Makespan
                             ? 0.0 - static_cast<double>(evaluation.makespan)
                             : 0.0 - evaluation.travel;
   print_result(context, options.output, options.json, as_json(evaluation, reward),
@@ -110,12 +103,14 @@ int run(const EvaluateOptions& options, const Context& context) {
   if (options.problem == "-" && options.plan == "-")
     throw InputError("PROBLEM and PLAN cannot both be read from standard input");
   const std::string text = read_text(options.plan);
-  const bool for_fleet = is_fleet_plan(text);
-  ProblemChanges changes = options.changes;
-  if (for_fleet) changes.objective.reset();  // it is one of fleets, or means nothing
-  const Problem problem = load_fleet_problem(options.problem, changes, context);
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  const bool for_fleet = problem.objective().of_fleet();
+  if (for_fleet != is_fleet_plan(text))
+    throw InputError(fmt::format("{}: it is a plan of {}, and {} is an objective of {}",
+                                 options.plan == "-" ? "standard input" : options.plan,
+                                 for_fleet ? "one robot" : "several robots",
+                                 problem.objective().type, for_fleet ? "several robots" : "one"));
   if (for_fleet) return evaluate_fleet_plan(problem, text, options, context);
-  warn_of_unused_fleet(problem, context);
   const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
 

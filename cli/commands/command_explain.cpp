@@ -266,7 +266,8 @@ int run(const ExplainOptions& options, const Context& context) {
   if (options.step && !options.plan) throw InputError("--step needs --plan, the plan it counts in");
   if (options.problem == "-" && options.plan == "-")
     throw InputError("PROBLEM and --plan cannot both be read from standard input");
-  const Problem problem = load_problem(options.problem, options.changes, context);
+  const Problem problem =
+      load_one_robot_problem(options.problem, options.changes, context, "explain");
   return options.connection ? explain_one(problem, options, context)
                             : explain_all(problem, options, context);
 }

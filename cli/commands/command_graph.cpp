@@ -111,7 +111,8 @@ void refuse_wrong_outputs(const GraphOptions& options) {
 
 int run(const GraphOptions& options, const Context& context) {
   refuse_wrong_outputs(options);
-  const Problem problem = load_problem(options.problem, options.changes, context);
+  const Problem problem =
+      load_one_robot_problem(options.problem, options.changes, context, "graph");
   const TransitionSystem system(problem);
 
   Facts facts;
@@ -121,7 +122,7 @@ int run(const GraphOptions& options, const Context& context) {
     ProgressLine progress(context, title(problem, options.problem) + ", graph");
     Budget budget = make_budget(options.limits);
     progress.attach_to(budget);
-    require_graph_fits(system, budget, "graph");
+    if (const auto reason = graph_obstacle(system, budget)) throw InputError("graph " + *reason);
 
     const Stopwatch stopwatch;
     const StateGraph graph = StateGraph::build(system, budget);

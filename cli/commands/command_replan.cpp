@@ -21,8 +21,6 @@
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
-#include "orasp/planners/automatic.h"
-#include "orasp/planners/uncertain.h"
 
 namespace orasp::cli {
 namespace {
@@ -227,7 +225,7 @@ struct Answer {
 Answer reweighed(const Problem& written, const Problem& problem, const Situation& now,
                  const ReplanOptions& options, const Budget& budget) {
   Replanner replanner(written, {.most_actions = kMostActionsHeld}, budget);
-  if (!replanner.holds_graph()) return {automatic(TransitionSystem(problem, now), 1, budget), ""};
+  if (!replanner.holds_graph()) return {solve(Task(problem, now), "auto", {}, budget), ""};
   const double generated = replanner.seconds_to_build();
   const bool replaced = replanner.reweigh(problem, budget);
   for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
@@ -258,7 +256,7 @@ Answer reweighed(const Problem& written, const Problem& problem, const Situation
 int run(const ReplanOptions& options, const Context& context) {
   if (options.done && !options.plan)
     throw InputError("--done counts the steps of an old plan; give it with --plan");
-  const Problem written = load_problem(options.problem, {}, context);
+  const Problem written = load_one_robot_problem(options.problem, {}, context, "replan");
   const Problem problem = changed(written, options.changes);
   std::vector<ConnectionIndex> old;
   if (options.plan)
@@ -274,19 +272,18 @@ int run(const ReplanOptions& options, const Context& context) {
   now.not_next = connections_called(problem, options.not_next, "--not-next");
   now.late = connections_of_parts(problem, options.late_parts, "--late-part");
 
-  const TransitionSystem system(problem, now);
+  const Task task(problem, now);
   Answer answer;
   std::optional<ProblemExplanation> why;
   {
     ProgressLine progress(context, title(problem, options.problem) + ", replan");
     Budget budget = make_budget(options.limits);
     progress.attach_to(budget);
-    if (problem.uncertain()) {
-      answer.result = uncertain_value_iteration(system, {}, budget);
-    } else if (options.changes.objective && !options.changes.direction) {
+    if (options.changes.objective && !options.changes.direction && !problem.uncertain()) {
       answer = reweighed(written, problem, now, options, budget);
+      require_honest(task, answer.result);
     } else {
-      answer.result = automatic(system, 1, budget);
+      answer.result = solve(task, "auto", {}, budget);
     }
     if (answer.result.status == Status::Infeasible) why = explain_problem(problem, now, budget);
   }
@@ -299,7 +296,7 @@ int run(const ReplanOptions& options, const Context& context) {
     more["changes"] = changes_json(problem, *changes);
   }
   if (why) more["conflict"] = conflict_json(why->conflict).dump();
-  const std::string plan = plan_text(system, result, settings_of(options), nullptr, more);
+  const std::string plan = plan_text(task, result, settings_of(options), nullptr, more);
   if (!options.output.empty()) {
     if (result.has_plan()) {
       write_file(options.output, plan);
@@ -311,7 +308,7 @@ int run(const ReplanOptions& options, const Context& context) {
     context.print(plan);
     return exit_code(result);
   }
-  std::string text = plan_summary(system, options.problem, result, context);
+  std::string text = plan_summary(task, options.problem, result, context);
   if (changes) text += changes_text(problem, *changes, context);
   if (why && !why->conflict.empty()) text += '\n' + conflict_text(*why);
   if (!result.notes.empty()) text += '\n';

@@ -10,7 +10,6 @@
 #include "cli/exit_codes.h"
 #include "cli/options/command_line.h"
 #include "cli/options/shared_options.h"
-#include "cli/output/fleet_summary.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
 #include "cli/output/random_rewards.h"
@@ -18,6 +17,7 @@
 #include "cli/output/text.h"
 #include "orasp/drawing/figures.h"
 #include "orasp/explain/explain.h"
+#include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/problem_json.h"
@@ -203,13 +203,10 @@ int report_fleet(const Problem& problem, const std::vector<PlanText>& files,
   const FleetProblem fleet(problem);
   FleetReport report;
   report.title = options.title.empty() ? title(problem, options.problem) : options.title;
-  if (options.changes.objective)
-    report.objective = *fleet_objective_called(*options.changes.objective);
   std::optional<std::size_t> steps;
   for (const PlanText& file : files) {
     try {
       FleetPlanFile read = parse_fleet_plan(file.text, fleet);
-      if (!options.changes.objective && report.plans.empty()) report.objective = read.objective;
       FleetReportPlan plan{.label = file.label,
                            .origin = fmt::format("Read from {}.", file.label),
                            .plan = std::move(read.plan),
@@ -222,23 +219,21 @@ int report_fleet(const Problem& problem, const std::vector<PlanText>& files,
     }
   }
   // Travel is compared among plans that may take as many steps.
-  if (report.objective == FleetObjective::Makespan) steps.reset();
+  if (fleet.objective() == FleetObjective::Makespan) steps.reset();
   {
     ProgressLine progress(context, title(problem, options.problem) + ", report");
     Budget budget = make_budget(search_limits(options));
     progress.attach_to(budget);
-    report.best = solve_fleet(fleet, "auto",
-                              {.objective = report.objective, .steps = steps, .seed = 1}, budget);
+    Task task(problem);
+    task.steps = steps;
+    report.best = solve(task, "auto", {}, budget);
   }
-  require_valid(fleet, report.best);
-  Result figures;
-  figures.statistics = report.best.statistics;
-  report.effort = statistics_text(figures);
+  report.effort = statistics_text(report.best);
   const bool solved_here = files.empty();
   if (solved_here && report.best.has_plan())
     report.plans.push_back({.label = report.best.method,
                             .origin = fmt::format("Found by {}.", report.best.method),
-                            .plan = report.best.plan,
+                            .plan = report.best.fleet_plan,
                             .notes = {}});
   write_page(report_html(fleet, report), report.plans.size(), problem, options, context);
   if (solved_here) return exit_code(report.best);
@@ -251,27 +246,16 @@ int report_fleet(const Problem& problem, const std::vector<PlanText>& files,
 
 int run(const ReportOptions& options, const Context& context) {
   require_sense(options);
-  ProblemChanges changes = options.changes;
-  changes.objective.reset();  // it may be one of fleets
-  Problem problem = load_fleet_problem(options.problem, changes, context);
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  const bool for_fleet = problem.objective().of_fleet();
   const std::vector<PlanText> files = read_plans(options.plans);
-  const auto of_fleets =
-      std::ranges::count_if(files, [](const PlanText& file) { return is_fleet_plan(file.text); });
-  if (of_fleets != 0 && of_fleets != std::ssize(files))
-    throw InputError(
-        "plans of one robot and of a fleet cannot stand side by side: they earn different things");
-  if (files.empty() ? plans_for_fleet(planner_named("auto"), problem, options.changes.objective)
-                    : of_fleets > 0) {
-    if (options.changes.objective && !fleet_objective_called(*options.changes.objective))
-      throw InputError(
-          fmt::format("--objective: a plan of a fleet is for makespan or travel, not for {}",
-                      in_quotes(*options.changes.objective)));
-    return report_fleet(problem, files, options, context);
+  for (const PlanText& file : files) {
+    if (is_fleet_plan(file.text) == for_fleet) continue;
+    throw InputError(fmt::format("{}: it is a plan of {}, and {} is an objective of {}",
+                                 spoken(file.file), for_fleet ? "one robot" : "several robots",
+                                 problem.objective().type, for_fleet ? "several robots" : "one"));
   }
-  warn_of_unused_fleet(problem, context);
-  changes = {};
-  changes.objective = options.changes.objective;
-  if (changes.objective) problem = changed(problem, changes);
+  if (for_fleet) return report_fleet(problem, files, options, context);
   const TransitionSystem system(problem);
   const LimitOptions limits = search_limits(options);
 

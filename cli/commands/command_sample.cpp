@@ -158,7 +158,8 @@ std::string summary(const Problem& problem, const Sample& sample, const Figures&
 }  // namespace
 
 int run(const SampleOptions& options, const Context& context) {
-  const Problem problem = load_problem(options.problem, options.changes, context);
+  const Problem problem =
+      load_one_robot_problem(options.problem, options.changes, context, "sample");
   const TransitionSystem system(problem);
   const std::optional<Yardstick> compared = yardstick(problem, system, options);
   Sample sample;

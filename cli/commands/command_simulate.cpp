@@ -194,7 +194,8 @@ int run(const SimulateOptions& options, const Context& context) {
     throw InputError("only one of --plan and --policy can be given");
   if (options.problem == "-" && (options.plan == "-" || options.policy == "-"))
     throw InputError("PROBLEM and what to follow cannot both be read from standard input");
-  const Problem problem = load_problem(options.problem, options.changes, context);
+  const Problem problem =
+      load_one_robot_problem(options.problem, options.changes, context, "simulate");
   const Outcome outcome = outcome_of(problem, options, context);
   const Figures figures = figures_of(outcome.simulation.rewards);
   const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);

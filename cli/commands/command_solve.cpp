@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,20 +9,19 @@
 #include "cli/exit_codes.h"
 #include "cli/options/command_line.h"
 #include "cli/options/shared_options.h"
-#include "cli/output/fleet_summary.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
 #include "orasp/bounds/bounds.h"
 #include "orasp/explain/alternatives.h"
+#include "orasp/fleet/fleet_mip.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/atomic_file.h"
-#include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
-#include "orasp/model/validate.h"
+#include "orasp/mip/mip.h"
 
 namespace orasp::cli {
 namespace {
@@ -100,6 +98,7 @@ Settings settings_of(const SolveOptions& options) {
   if (options.max_sweeps) settings["max-sweeps"] = fmt::to_string(*options.max_sweeps);
   if (options.initial_value) settings["initial-value"] = fmt::to_string(*options.initial_value);
   if (options.count) settings["count"] = "true";
+  if (options.steps) settings["steps"] = fmt::to_string(*options.steps);
   if (options.alternatives > 0) settings["alternatives"] = fmt::to_string(options.alternatives);
   return settings;
 }
@@ -111,13 +110,8 @@ bool wants_other_plans(const SolveOptions& options) {
 /// Before the method runs: where H does not fit, nothing is done.
 void require_graph_for_other_plans(const TransitionSystem& system, const SolveOptions& options,
                                    const Budget& budget) {
-  const std::string asked_by = options.count ? "--count" : "--alternatives";
-  try {
-    require_graph_fits(system, budget, asked_by);
-  } catch (const InputError& error) {
-    const std::string reason = error.what();  // it goes on with methods that need no H
-    throw InputError(reason.substr(0, reason.rfind("; use ")));
-  }
+  if (const auto reason = graph_obstacle(system, budget))
+    throw InputError((options.count ? "--count " : "--alternatives ") + *reason);
 }
 
 std::string alternatives_text(const Problem& problem, const Alternatives& alternatives,
@@ -142,10 +136,10 @@ std::string alternatives_text(const Problem& problem, const Alternatives& altern
   return text;
 }
 
-std::string summary(const Problem& problem, const Result& result, const Alternatives& alternatives,
+std::string summary(const Task& task, const Result& result, const Alternatives& alternatives,
                     const SolveOptions& options, const Context& context) {
-  std::string text = plan_summary(TransitionSystem(problem), options.problem, result, context);
-  text += alternatives_text(problem, alternatives, options, context);
+  std::string text = plan_summary(task, options.problem, result, context);
+  text += alternatives_text(task.problem, alternatives, options, context);
   if (!result.notes.empty()) text += '\n';
   for (const std::string& note : result.notes) text += printable(note) + '\n';
   return text;
@@ -168,56 +162,32 @@ int write_program(const MipModel& model, const SolveOptions& options, const Cont
   return kSolved;
 }
 
-int write_fleet_program(const FleetProblem& fleet, const FleetOptions& chosen,
-                        const SolveOptions& options, const Context& context) {
-  const bool travel = chosen.objective == FleetObjective::Travel;
-  if (travel && !chosen.steps)
+int write_program(const Task& task, const SolveOptions& options, const Context& context) {
+  if (!task.problem.objective().of_fleet())
+    return write_program(mip_model(TransitionSystem(task.problem)), options, context,
+                         "minus the reward");
+  const FleetProblem fleet(task.problem);
+  const bool travels = fleet.objective() == FleetObjective::Travel;
+  if (travels && !task.steps)
     throw InputError(
         "--write-model: the integer program of the least travel needs --steps N, the most steps");
-  return write_program(
-      fleet_mip_model(fleet, chosen.objective, chosen.steps.value_or(fleet_mip_horizon(fleet))),
-      options, context, travel ? "the travel in m^2" : "the number of steps");
+  return write_program(fleet_mip_model(fleet, task.steps.value_or(fleet_mip_horizon(fleet))),
+                       options, context, travels ? "the travel in m^2" : "the number of steps");
 }
 
-/// Options that mean nothing to a method for fleets.
-void refuse_one_robot_options(const SolveOptions& options) {
-  const char* const foreign = options.count              ? "--count"
-                              : options.alternatives > 0 ? "--alternatives"
-                                                         : nullptr;
-  if (foreign != nullptr)
+/// Refuses what lists or counts orders where the plan is none, or not the whole of it.
+void require_sense_of_other_plans(const Problem& problem, const SolveOptions& options) {
+  if (!wants_other_plans(options)) return;
+  const char* const option = options.count ? "--count" : "--alternatives";
+  if (problem.objective().of_fleet())
     throw InputError(
-        fmt::format("{} belongs to the methods for one robot, not to one for fleets", foreign));
-}
-
-int run_fleet(const Problem& problem, const Planner& planner, const SolveOptions& options,
-              const Context& context) {
-  refuse_one_robot_options(options);
-  const FleetProblem fleet(problem);
-  FleetOptions chosen{
-      .objective = FleetObjective::Makespan, .steps = options.steps, .seed = options.seed};
-  if (options.changes.objective)
-    chosen.objective = *fleet_objective_called(*options.changes.objective);
-  if (!options.write_model.empty()) return write_fleet_program(fleet, chosen, options, context);
-  FleetResult result;
-  {
-    ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
-    Budget budget = make_budget(options.limits);
-    progress.attach_to(budget);
-    result = solve_fleet(fleet, planner.name, chosen, budget);
-  }
-  require_valid(fleet, result);
-  Settings settings = settings_of(options);
-  if (options.steps) settings["steps"] = fmt::to_string(*options.steps);
-  const std::string plan = fleet_plan_text(fleet, result, settings);
-  if (!options.output.empty()) {
-    if (result.has_plan()) {
-      write_file(options.output, plan);
-    } else {
-      context.warn("there is no plan, so " + options.output + " is not written");
-    }
-  }
-  context.print(options.json ? plan : fleet_summary(fleet, options.problem, result, context));
-  return exit_code(result);
+        fmt::format("{} lists plans of one robot, and {} is an objective of several; leave it out",
+                    option, problem.objective().type));
+  if (problem.uncertain())
+    throw InputError(fmt::format(
+        "{} lists plans for attempts that always succeed, and an attempt at connection {} may fail "
+        "(its success is below 1); leave it out",
+        option, in_quotes(problem.connection_id(*problem.first_uncertain()))));
 }
 
 }  // namespace
@@ -226,35 +196,14 @@ int run(const SolveOptions& options, const Context& context) {
   const Planner& planner = planner_named(options.method);
   refuse_foreign_options(options);
   Options chosen = planner_options(options);
-  ProblemChanges changes = options.changes;
-  changes.objective.reset();  // it may be one of fleets
-  Problem problem = load_fleet_problem(options.problem, changes, context);
-  if (plans_for_fleet(planner, problem, options.changes.objective))
-    return run_fleet(problem, planner, options, context);
-  if (options.steps)
-    throw InputError(fmt::format("--steps belongs to the methods for fleets, not to {}{}",
-                                 options.method,
-                                 planner.run_fleet != nullptr ? " for one robot" : ""));
-  warn_of_unused_fleet(problem, context);
-  if (options.changes.objective) {
-    ProblemChanges objective;
-    objective.objective = options.changes.objective;
-    problem = changed(problem, objective);
-  }
-  if (!options.write_model.empty())
-    return write_program(mip_model(TransitionSystem(problem)), options, context,
-                         "minus the reward");
+  const Problem problem = load_problem(options.problem, options.changes, context);
+  Task task(problem);
+  task.steps = options.steps;
+  require_sense_of_other_plans(problem, options);
+  if (!options.write_model.empty()) return write_program(task, options, context);
   if (!options.policy.empty()) {
     chosen.policy =
         std::make_shared<const Policy>(read_policy(options.policy, problem).trained.policy);
-  }
-
-  if (problem.uncertain() && wants_other_plans(options)) {
-    throw InputError(fmt::format(
-        "{} lists plans for attempts that always succeed, and an attempt at connection {} may fail "
-        "(its success is below 1); leave it out",
-        options.count ? "--count" : "--alternatives",
-        in_quotes(problem.connection_id(*problem.first_uncertain()))));
   }
 
   Result result;
@@ -263,11 +212,14 @@ int run(const SolveOptions& options, const Context& context) {
     ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
     Budget budget = make_budget(options.limits);
     progress.attach_to(budget);
-    const TransitionSystem system(problem);
-    if (wants_other_plans(options)) require_graph_for_other_plans(system, options, budget);
-    result = solve(problem, planner.name, chosen, budget);
-    if (wants_other_plans(options))
-      alternatives = find_alternatives(system, options.count, options.alternatives, budget);
+    std::optional<TransitionSystem> system;
+    if (wants_other_plans(options)) {
+      system.emplace(problem);
+      require_graph_for_other_plans(*system, options, budget);
+    }
+    result = solve(task, planner.name, chosen, budget);
+    if (system)
+      alternatives = find_alternatives(*system, options.count, options.alternatives, budget);
   }
   if (alternatives.stop != Stop::None) {
     result.notes.push_back(fmt::format(
@@ -278,7 +230,7 @@ int run(const SolveOptions& options, const Context& context) {
   // Where attempts may fail, an order is not all there is to do: the file is the policy.
   const bool writes_policy = result.expectation.has_value();
   const std::string plan = options.json || (!options.output.empty() && !writes_policy)
-                               ? plan_text(problem, result, settings_of(options), &alternatives)
+                               ? plan_text(task, result, settings_of(options), &alternatives)
                                : std::string();
   if (!options.output.empty()) {
     // What stands in the file may be the plan of yesterday: a run without a plan leaves it alone.
@@ -289,7 +241,7 @@ int run(const SolveOptions& options, const Context& context) {
       context.warn("there is no plan, so " + options.output + " is not written");
     }
   }
-  context.print(options.json ? plan : summary(problem, result, alternatives, options, context));
+  context.print(options.json ? plan : summary(task, result, alternatives, options, context));
   const int code = exit_code(result);
   return code == kSolved && alternatives.stop != Stop::None ? kStopped : code;
 }
@@ -348,7 +300,7 @@ int solve_command(const Arguments& arguments) {
               "  orasp solve product.json --method orasp-search --time-limit 60 -o plan.json\n"
               "  orasp solve jwst --objective time --direction assembly --time-limit 10\n"
               "  orasp solve lattice --count --alternatives 3\n"
-              "  orasp solve fleet-lattice --objective travel --steps 5\n"
+              "  orasp solve fleet-lattice --objective fleet_travel --steps 5\n"
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"

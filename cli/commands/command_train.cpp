@@ -170,7 +170,8 @@ std::string summary(const Problem& problem, const Training& training, const Trai
 
 int run(const TrainOptions& options, const Context& context) {
   if (!options.policy.empty()) require_folder(options.policy);
-  const Problem problem = load_problem(options.problem, options.changes, context);
+  const Problem problem =
+      load_one_robot_problem(options.problem, options.changes, context, "train");
   if (problem.uncertain()) {
     throw InputError(fmt::format(
         "train learns for attempts that always succeed, and an attempt at connection {} may fail "

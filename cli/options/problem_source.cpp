@@ -14,7 +14,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
-#include "cli/output/fleet_summary.h"
 #include "cli/output/text.h"
 #include "cli/signals.h"
 #include "orasp/io/problem_json.h"
@@ -63,12 +62,15 @@ Problem problem_called(const std::string& name) {
 }
 
 Objective objective_called(const std::string& name) {
-  if (std::ranges::find(kObjectiveTypes, name) != kObjectiveTypes.end())
-    return Objective::named(name);
+  const auto is_in = [&name](const auto& types) {
+    return std::ranges::find(types, name) != types.end();
+  };
+  if (is_in(kObjectiveTypes) || is_in(kFleetObjectiveTypes)) return Objective::named(name);
   std::error_code ignored;
   if (names_a_file(name) || std::filesystem::exists(name, ignored))
     return parse_objective(read_text(name), name);
-  const std::vector<std::string> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  std::vector<std::string> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  types.insert(types.end(), kFleetObjectiveTypes.begin(), kFleetObjectiveTypes.end());
   throw InputError(fmt::format("no objective {}: it is neither a file nor one of {}{}",
                                in_quotes(name), fmt::join(types, ", "), suggestion(name, types)));
 }
@@ -114,14 +116,20 @@ std::string read_text(const std::string& file) {
 
 Problem changed(const Problem& problem, const ProblemChanges& changes) {
   ProblemSpec spec = problem.spec();
-  if (changes.objective) spec.objective = objective_called(*changes.objective);
+  if (changes.objective) {
+    spec.objective = objective_called(*changes.objective);
+    if (!spec.objective.of_fleet()) spec.fleet.reset();
+  }
   if (changes.direction) spec.direction = direction_called(*changes.direction);
   if (changes.max_subassemblies) spec.limits.max_subassemblies = *changes.max_subassemblies;
   if (changes.max_moved_parts) spec.limits.max_moved_parts = *changes.max_moved_parts;
   if (changes.max_moved_mass) spec.limits.max_moved_mass = *changes.max_moved_mass;
-  const auto fleet = [&spec](const char* option) -> Fleet& {
+  const auto fleet = [&](const char* option) -> Fleet& {
     if (!spec.fleet)
-      throw InputError(fmt::format("{}: the problem has no \"fleet\" to change", option));
+      throw InputError(fmt::format("{}: {}", option,
+                                   problem.spec().fleet
+                                       ? "an objective of one robot leaves the fleet out"
+                                       : "the problem has no \"fleet\" to change"));
     return *spec.fleet;
   };
   if (changes.robots) fleet("--robots").robots = *changes.robots;
@@ -137,16 +145,26 @@ Problem changed(const Problem& problem, const ProblemChanges& changes) {
 
 Problem load_problem(const std::string& name, const ProblemChanges& changes,
                      const Context& context) {
-  Problem problem = load_fleet_problem(name, changes, context);
-  warn_of_unused_fleet(problem, context);
+  Problem problem = problem_called(name);
+  if (any(changes)) {
+    Problem other = changed(problem, changes);
+    if (const auto& fleet = problem.spec().fleet; fleet && !other.spec().fleet)
+      context.warn(fmt::format("fleet: its {} are not used: {} is an objective of one robot",
+                               counted(fleet->robots, "robot"), other.objective().type));
+    problem = std::move(other);
+  }
+  for (const std::string& warning : problem.warnings()) context.warn(printable(warning));
   return problem;
 }
 
-Problem load_fleet_problem(const std::string& name, const ProblemChanges& changes,
-                           const Context& context) {
-  Problem problem = problem_called(name);
-  if (any(changes)) problem = changed(problem, changes);
-  for (const std::string& warning : problem.warnings()) context.warn(printable(warning));
+Problem load_one_robot_problem(const std::string& name, const ProblemChanges& changes,
+                               const Context& context, const char* command) {
+  Problem problem = load_problem(name, changes, context);
+  if (problem.objective().of_fleet())
+    throw InputError(fmt::format(
+        "{} answers for one robot, and the objective of this problem is {}, one of several; "
+        "--objective TYPE asks about one",
+        command, problem.objective().type));
   return problem;
 }
 

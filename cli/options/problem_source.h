@@ -38,17 +38,19 @@ struct LimitOptions {
 [[nodiscard]] std::string read_text(const std::string& file);
 
 /// Loads PROBLEM: "-" is standard input; a name with a '/' or that ends in ".json" is a file;
-/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error; that
-/// a fleet is not used is one of them.
+/// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error; one
+/// of them is that an objective of one robot, which was asked for, leaves the problem's fleet out.
 /// @throws InputError.
 [[nodiscard]] Problem load_problem(const std::string& name, const ProblemChanges& changes,
                                    const Context& context);
 
-/// The same, for a command that may use the fleet: no warning of that.
-[[nodiscard]] Problem load_fleet_problem(const std::string& name, const ProblemChanges& changes,
-                                         const Context& context);
+/// The same for a command that answers for one robot. @throws InputError, also where the objective
+/// is one of several robots: the sentence names `command`.
+[[nodiscard]] Problem load_one_robot_problem(const std::string& name, const ProblemChanges& changes,
+                                             const Context& context, const char* command);
 
-/// The same problem under `changes`. @throws InputError.
+/// The same problem under `changes`. An objective of one robot leaves its fleet out.
+/// @throws InputError.
 [[nodiscard]] Problem changed(const Problem& problem, const ProblemChanges& changes);
 
 /// Reads PLAN ("-" is standard input) for a problem of this direction. @throws InputError.

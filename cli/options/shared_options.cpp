@@ -9,11 +9,11 @@ namespace orasp::cli {
 
 std::string methods_help() {
   std::string text = "\nMethods:\n";
-  for (const Planner& planner : one_robot_planners())
-    text += help_entry(planner.name, planner.summary);
+  for (const Planner* const planner : one_robot_planners())
+    text += help_entry(planner->name, planner->summary);
   text += "\nMethods for fleets:\n";
   for (const Planner& planner : planners()) {
-    if (planner.run_fleet != nullptr && planner.name != "auto")
+    if (planner.fleets && planner.role != Role::Chooser)
       text += help_entry(planner.name, planner.summary);
   }
   return text;
@@ -24,8 +24,8 @@ void add_problem_options(CommandLine& line, ProblemChanges& changes) {
   line.text("--objective", "TYPE|FILE",
             fmt::format(
                 "What a step earns: {}; or a JSON file that holds an objective (default: "
-                "as in the file). Several robots: makespan, the fewest steps, or travel, the least "
-                "(default: makespan).",
+                "as in the file). Several robots: makespan, the fewest steps, or fleet_travel, the "
+                "least travel.",
                 fmt::join(kObjectiveTypes, ", ")),
             changes.objective);
   line.text("--direction", "DIRECTION", "disassembly or assembly (default: as in the file).",

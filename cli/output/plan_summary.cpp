@@ -4,13 +4,14 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "cli/options/problem_source.h"
+#include "cli/output/fleet_table.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
 #include "orasp/model/validate.h"
@@ -92,44 +93,89 @@ std::string status_text(Status status, Stop stop, bool colour) {
                 : fmt::format("{} ({})", name, meaning);
 }
 
-std::string plan_summary(const TransitionSystem& system, const std::string& typed,
-                         const Result& result, const Context& context) {
-  const Problem& problem = system.problem();
-  std::string text;
-  const auto line = [&text, &result](std::string_view name, const std::string& value) {
-    text += fmt::format("{:<{}} {}\n", name, result.expectation ? 15 : 8, value);
-  };
-  text += fmt::format("{}: {}, {}\n", title(problem, typed), counted(problem.num_parts(), "part"),
-                      counted(problem.num_connections(), "connection"));
-  line("method", result.method);
-  line("status", status_text(result.status, result.stop, context.colour()));
-  if (result.has_plan())
-    line(result.expectation ? "expected reward" : "reward", number_text(result.reward));
-  if (const std::optional<double> bound = known_bound(result)) {
-    line("bound", number_text(*bound));
-    if (result.has_plan()) line("gap", number_text(*bound - result.reward));
-  }
-  if (result.expectation) {
-    line("error", fmt::format("at most {} (residual {})", number_text(result.expectation->error),
-                              number_text(result.expectation->residual)));
-    line("attempts", number_text(result.expectation->attempts) + " expected");
-    line("policy", counted(result.expectation->policy.size(), "state"));
-  }
-  line("effort", statistics_text(result));
+namespace {
 
-  if (result.has_plan()) {
-    const Evaluation evaluation =
-        evaluate(system, std::span<const ConnectionIndex>(result.sequence));
-    if (!evaluation.valid)
-      throw std::logic_error(fmt::format("{} returned a plan that breaks a rule: {}", result.method,
-                                         evaluation.violations.front().violation.message));
-    if (!evaluation.steps.empty()) {
-      if (result.expectation) text += course_text(problem, *result.expectation, context.width());
-      text += '\n' + step_table(problem, evaluation.steps, context);
-      text += opposite_order(problem, result, context.width());
-    }
+using Lines = std::vector<std::pair<std::string_view, std::string>>;
+
+/// "8 steps", or "81 m^2".
+std::string amount(bool travels, double reward) {
+  const double size = 0.0 - reward;
+  return travels ? number_text(size) + " m^2"
+                 : counted(static_cast<std::uint64_t>(std::llround(size)), "step");
+}
+
+void describe_one_robot(const Result& result, Lines& lines) {
+  if (result.has_plan())
+    lines.emplace_back(result.expectation ? "expected reward" : "reward",
+                       number_text(result.reward));
+  if (const std::optional<double> bound = known_bound(result)) {
+    lines.emplace_back("bound", number_text(*bound));
+    if (result.has_plan()) lines.emplace_back("gap", number_text(*bound - result.reward));
   }
-  return text;
+  if (!result.expectation) return;
+  lines.emplace_back("error",
+                     fmt::format("at most {} (residual {})", number_text(result.expectation->error),
+                                 number_text(result.expectation->residual)));
+  lines.emplace_back("attempts", number_text(result.expectation->attempts) + " expected");
+  lines.emplace_back("policy", counted(result.expectation->policy.size(), "state"));
+}
+
+void describe_fleet(const Problem& problem, const Result& result, Lines& lines) {
+  const bool travels = problem.objective().type == "fleet_travel";
+  if (result.has_plan()) {
+    lines.emplace_back("makespan", counted(result.fleet_plan.makespan(), "step"));
+    lines.emplace_back("travel", number_text(result.fleet_plan.travel()) + " m^2");
+  }
+  const std::optional<double> bound = known_bound(result);
+  if (!bound) return;
+  lines.emplace_back("bound", "at least " + amount(travels, *bound));
+  if (result.has_plan())
+    lines.emplace_back("gap", number_text(std::max(0.0, *bound - result.reward)));
+}
+
+std::string fleet_objective_text(const Problem& problem, const Result& result) {
+  if (problem.objective().type == "makespan") return "makespan: the fewest steps";
+  return result.steps_allowed ? fmt::format("fleet_travel: the least in at most {}",
+                                            counted(*result.steps_allowed, "step"))
+                              : "fleet_travel: the least in the fewest steps";
+}
+
+std::string steps_of_one_robot(const Task& task, const Result& result, const Context& context) {
+  const TransitionSystem system(task.problem, task.situation);
+  const Evaluation evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
+  if (evaluation.steps.empty()) return {};
+  std::string text;
+  if (result.expectation) text += course_text(task.problem, *result.expectation, context.width());
+  text += '\n' + step_table(task.problem, evaluation.steps, context);
+  return text + opposite_order(task.problem, result, context.width());
+}
+
+}  // namespace
+
+std::string plan_summary(const Task& task, const std::string& typed, const Result& result,
+                         const Context& context) {
+  const Problem& problem = task.problem;
+  const bool of_fleet = problem.objective().of_fleet();
+  std::string text =
+      fmt::format("{}: {}, {}", title(problem, typed), counted(problem.num_parts(), "part"),
+                  counted(problem.num_connections(), "connection"));
+  Lines lines = {{"method", result.method}};
+  if (of_fleet) {
+    const Fleet& fleet = *problem.spec().fleet;
+    text += fmt::format(", {}, {}", counted(fleet.robots, "robot"),
+                        counted(fleet.sites.size(), "site"));
+    lines.emplace_back("objective", fleet_objective_text(problem, result));
+  }
+  lines.emplace_back("status", status_text(result.status, result.stop, context.colour()));
+  of_fleet ? describe_fleet(problem, result, lines) : describe_one_robot(result, lines);
+  lines.emplace_back("effort", statistics_text(result));
+  text += '\n';
+  const int width = of_fleet ? 9 : result.expectation ? 15 : 8;
+  for (const auto& [name, value] : lines) text += fmt::format("{:<{}} {}\n", name, width, value);
+  if (!result.has_plan()) return text;
+  if (!of_fleet) return text + steps_of_one_robot(task, result, context);
+  if (result.fleet_plan.steps.empty()) return text;
+  return text + '\n' + fleet_table(problem, result.fleet_plan, context);
 }
 
 }  // namespace orasp::cli

@@ -1,174 +1,174 @@
 #include "orasp/catalogue.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <stdexcept>
 #include <string>
 
-#include "orasp/fleet/fleet_expander.h"
-#include "orasp/learning/network.h"
-#include "orasp/mip/mip_solver.h"
-#include "orasp/planners/automatic.h"
-#include "orasp/planners/uncertain.h"
+#include "orasp/fleet/fleet_validate.h"
+#include "orasp/model/plan_check.h"
 
 namespace orasp {
 
 namespace {
 
-bool always() {
-  return true;
+/// How many methods a refusal names.
+constexpr std::size_t kMostRecommended = 4;
+
+/// What was derived from a task once: the rules of one robot, or of several.
+struct Derived {
+  std::optional<TransitionSystem> system;
+  std::optional<FleetProblem> fleet;
+
+  explicit Derived(const Task& task) {
+    if (!task.problem.objective().of_fleet()) {
+      system.emplace(task.problem, task.situation);
+      if (task.steps)
+        throw InputError("a horizon of " + std::to_string(*task.steps) +
+                         " steps is for the objectives makespan and fleet_travel of several "
+                         "robots; one robot makes a step for every connection");
+      return;
+    }
+    fleet.emplace(task.problem);
+    if (!task.whole())
+      throw InputError("the objective " + task.problem.objective().type +
+                       " is one of several robots, whose plans are made for the whole product and "
+                       "not for what is left of it");
+  }
+
+  [[nodiscard]] Request request(const Task& task, const Options& options,
+                                const Budget& budget) const {
+    return {.task = task,
+            .system = system ? &*system : nullptr,
+            .fleet = fleet ? &*fleet : nullptr,
+            .options = options,
+            .budget = budget};
+  }
+};
+
+/// What the columns of the table say without a look at the row's own limits.
+std::optional<std::string> wrong_kind(const Planner& planner, const Request& request) {
+  const Problem& problem = request.task.problem;
+  if (request.fleet != nullptr && !planner.fleets)
+    return "plans for one robot, and " + problem.objective().type + " is an objective of several";
+  if (request.system != nullptr && !planner.one_robot)
+    return "plans for several robots, and " + problem.objective().type + " is an objective of one";
+  if (problem.uncertain() && !planner.uncertain) {
+    return "plans for attempts that always succeed, and an attempt at connection \"" +
+           problem.connection_id(*problem.first_uncertain()) +
+           "\" may fail (its success is below 1)";
+  }
+  return std::nullopt;
 }
 
-constexpr std::array kPlanners = {
-    Planner{"auto", "chooses a method by the size of the problem and says which", false, false, 0,
-            always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return automatic(system, options.seed, budget);
-            },
-            [](const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
-              const bool fits = fleet.num_parts() <= kFleetMaxParts;
-              FleetResult result =
-                  fits ? fleet_search(fleet, options, budget) : fleet_fast(fleet, options, budget);
-              result.method = "auto";
-              result.notes.insert(
-                  result.notes.begin(),
-                  fits ? "auto: fleet-search, since the problem has a fleet of robots"
-                       : "auto: fast, since fleet-search takes at most " +
-                             std::to_string(kFleetMaxParts) + " parts");
-              return result;
-            }},
-    Planner{"value-iteration", "the paper's graph-based value iteration on H", true, true, 0,
-            always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return value_iteration(system, options.value_iteration, budget);
-            }},
-    Planner{"dijkstra", "shortest path on H", true, true, 0, always,
-            [](const TransitionSystem& system, const Options&, const Budget& budget) {
-              return dijkstra(system, budget);
-            }},
-    Planner{"bellman-ford", "best reward from the start to every state of H", true, true, 0, always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return bellman_ford(system, options.bellman_ford, budget);
-            }},
-    Planner{"orasp-search",
-            "the paper's ORASP Search: depth-first branch and bound that generates H as it goes",
-            true, false, 0, always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return orasp_search(system, {.seed = options.seed, .bound = options.bound}, budget);
-            }},
-    Planner{"a-star", "best first on H, guided by an upper bound on what is left", true, false, 0,
-            always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return a_star(system, {.bound = options.bound}, budget);
-            }},
-    Planner{"beam", "complete anytime beam search: a plan at once, better ones as it goes", true,
-            false, 0, always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return beam(system, {.bound = options.bound}, budget);
-            }},
-    Planner{"and-or", "piece by piece: AND/OR search over connected sets of parts", false, false, 0,
-            always,
-            [](const TransitionSystem& system, const Options&, const Budget& budget) {
-              return and_or(system, {}, budget);
-            }},
-    Planner{"mip",
-            "an integer program, solved by CBC: the baseline (at most 32 connections, or a fleet)",
-            true, false, kMipMaxConnections, mip_solver_available,
-            [](const TransitionSystem& system, const Options&, const Budget& budget) {
-              return mip(system, budget);
-            },
-            fleet_mip},
-    Planner{"exhaustive", "every sequence, for checking (at most 12 connections)", true, false,
-            kExhaustiveMaxConnections, always,
-            [](const TransitionSystem& system, const Options&, const Budget& budget) {
-              return exhaustive(system, budget);
-            }},
-    Planner{"greedy", "the best reward at every step; any size, no proof", false, false, 0, always,
-            [](const TransitionSystem& system, const Options&, const Budget& budget) {
-              return greedy(system, budget);
-            },
-            fleet_greedy},
-    Planner{"random", "a uniformly random legal sequence", false, false, 0, always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return random_sequence(system, {.seed = options.seed}, budget);
-            }},
-    Planner{"q-learning", "tabular Q-learning from optimistic values; for small problems", true,
-            false, 0, always,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              return q_learning(system, {.seed = options.seed, .bound = options.bound}, budget);
-            }},
-    Planner{"dqn", "a deep Q-network, trained first unless a policy is given", false, false, 0,
-            network_available,
-            [](const TransitionSystem& system, const Options& options, const Budget& budget) {
-              if (options.policy) return follow_policy(system, *options.policy, budget);
-              DqnOptions chosen = options.dqn;
-              chosen.seed = options.seed;
-              return dqn(system, chosen, budget);
-            }},
-    Planner{"fleet-search",
-            "several robots: the fewest steps, or the least travel, by search with proof", true,
-            false, 0, always, nullptr, fleet_search},
-    Planner{"fast",
-            "several robots: a published heuristic for trees, subassemblies side by side; no proof",
-            false, false, 0, always, nullptr, fleet_fast},
-};
-static_assert(std::ranges::is_partitioned(kPlanners, [](const Planner& planner) {
-  return planner.run != nullptr;
-}));
+/// Everything that stands in the way.
+std::optional<std::string> reason_against(const Planner& planner, const Request& request) {
+  if (auto reason = wrong_kind(planner, request)) return reason;
+  return planner.obstacle == nullptr ? std::nullopt : planner.obstacle(request);
+}
 
-/// Where attempts may fail only the stochastic shortest path answers; the other methods would
-/// promise what a plan earns when nothing fails.
-Result solve_with_failures(const TransitionSystem& system, const Planner& planner,
-                           const Options& options, const Budget& budget) {
-  const Problem& problem = system.problem();
-  if (planner.name != "auto" && planner.name != "value-iteration") {
-    throw InputError(std::string(planner.name) +
-                     " plans for attempts that always succeed, and an attempt at connection \"" +
-                     problem.connection_id(*problem.first_uncertain()) +
-                     "\" may fail (its success is below 1); use value-iteration or auto");
+/// The refusal of `planner` with the methods that take the task, those with a proof first.
+std::string refusal(const Planner& planner, const std::string& reason, const Request& request) {
+  std::vector<std::string_view> others;
+  for (const bool with_proof : {true, false}) {
+    if (!with_proof && others.size() > 1) break;
+    for (const Planner& other : planners()) {
+      const bool serves = other.role == Role::Chooser || other.role == Role::Search;
+      const bool proves = other.role == Role::Chooser || other.exact;
+      if (others.size() == kMostRecommended || !serves || proves != with_proof ||
+          &other == &planner || reason_against(other, request))
+        continue;
+      others.push_back(other.name);
+    }
   }
-  return uncertain_value_iteration(system, options.value_iteration, budget);
+  std::string text = std::string(planner.name) + " " + reason;
+  for (std::size_t i = 0; i < others.size(); ++i)
+    text += (i == 0 ? "; use " : i + 1 < others.size() ? ", " : " or ") + std::string(others[i]);
+  return text;
+}
+
+[[noreturn]] void dishonest(const Result& result, const std::string& what) {
+  throw std::logic_error(result.method + " returned a plan that " + what);
+}
+
+void require_honest_plan(const Task& task, const Result& result) {
+  const PlanCheck check = check_plan(task.problem, task.situation, result.sequence);
+  if (!check.legal) dishonest(result, "breaks a rule: " + check.fault);
+  // Where attempts may fail the reward is an expectation, which no replay of one sequence gives.
+  if (result.expectation || same_reward(result.reward, check)) return;
+  dishonest(result, "earns " + std::to_string(check.reward) + " and not the " +
+                        std::to_string(result.reward) + " that it claims");
+}
+
+void require_honest_fleet_plan(const Task& task, const Result& result) {
+  const FleetProblem fleet(task.problem);
+  const FleetEvaluation evaluation = evaluate(fleet, result.fleet_plan);
+  if (!evaluation.valid) {
+    const FleetViolation& first = evaluation.violations.front();
+    dishonest(result, "breaks a rule: step " + std::to_string(first.step) + ": " + first.message);
+  }
+  if (task.steps && evaluation.makespan > *task.steps)
+    dishonest(result, "takes more steps than allowed");
+  const bool travels = task.problem.objective().type == "fleet_travel";
+  const double earned =
+      0.0 - (travels ? evaluation.travel : static_cast<double>(evaluation.makespan));
+  constexpr double kTolerance = 1e-9;
+  if (!(std::abs(earned - result.reward) <= kTolerance * std::max(1.0, std::abs(earned))))
+    dishonest(result, "earns " + std::to_string(earned) + " and not the " +
+                          std::to_string(result.reward) + " that it claims");
 }
 
 }  // namespace
 
-std::span<const Planner> planners() {
-  return kPlanners;
-}
-
-std::span<const Planner> one_robot_planners() {
-  const auto* const end = std::ranges::find(kPlanners, nullptr, &Planner::run);
-  return {kPlanners.begin(), end};
+std::vector<const Planner*> one_robot_planners() {
+  std::vector<const Planner*> found;
+  for (const Planner& planner : planners()) {
+    if (planner.one_robot) found.push_back(&planner);
+  }
+  return found;
 }
 
 const Planner& find_planner(std::string_view name) {
   std::string known;
-  for (const Planner& planner : kPlanners) {
+  for (const Planner& planner : planners()) {
     if (planner.name == name) return planner;
     known += (known.empty() ? "" : ", ") + std::string(planner.name);
   }
   throw InputError("unknown method '" + std::string(name) + "'; known: " + known);
 }
 
-Result solve(const Problem& problem, std::string_view method, const Options& options,
+std::optional<std::string> obstacle(const Task& task, std::string_view method,
+                                    const Options& options, const Budget& budget) {
+  const Planner& planner = find_planner(method);
+  const Derived derived(task);
+  const Request request = derived.request(task, options, budget);
+  const auto reason = reason_against(planner, request);
+  return reason ? std::optional(refusal(planner, *reason, request)) : std::nullopt;
+}
+
+Result solve(const Task& task, std::string_view method, const Options& options,
              const Budget& budget) {
   const Planner& planner = find_planner(method);
-  if (planner.run == nullptr)
-    throw InputError(std::string(method) + " plans for several robots, not for one");
-  const TransitionSystem system(problem);
-  Result result = problem.uncertain() ? solve_with_failures(system, planner, options, budget)
-                                      : planner.run(system, options, budget);
+  const Derived derived(task);
+  const Request request = derived.request(task, options, budget);
+  Result result;
+  // A method's own obstacle is not asked first: to find one may cost as much as to begin the work,
+  // and a method that meets one throws the same reason as a Refusal.
+  try {
+    if (const auto reason = wrong_kind(planner, request)) throw Refusal(planner.name, *reason);
+    result = planner.run(request);
+  } catch (const Refusal& refused) {
+    throw InputError(refusal(planner, refused.reason(), request));
+  }
   result.seed = options.seed;
+  require_honest(task, result);
   return result;
 }
 
-FleetResult solve_fleet(const FleetProblem& fleet, std::string_view method,
-                        const FleetOptions& options, const Budget& budget) {
-  const Planner& planner = find_planner(method);
-  if (planner.run_fleet == nullptr)
-    throw InputError(std::string(method) + " plans for one robot, not for several");
-  FleetResult result = planner.run_fleet(fleet, options, budget);
-  result.seed = options.seed;
-  return result;
+void require_honest(const Task& task, const Result& result) {
+  if (!result.has_plan()) return;
+  task.problem.objective().of_fleet() ? require_honest_fleet_plan(task, result)
+                                      : require_honest_plan(task, result);
 }
 
 }  // namespace orasp

@@ -1,81 +1,124 @@
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
-#include "orasp/fleet/fleet_heuristics.h"
-#include "orasp/fleet/fleet_mip.h"
-#include "orasp/fleet/fleet_result.h"
-#include "orasp/fleet/fleet_search.h"
+#include "orasp/fleet/fleet.h"
 #include "orasp/learning/dqn.h"
 #include "orasp/learning/policy.h"
-#include "orasp/learning/q_learning.h"
-#include "orasp/mip/mip.h"
 #include "orasp/model/problem.h"
+#include "orasp/model/transition_system.h"
 #include "orasp/planners/a_star.h"
-#include "orasp/planners/and_or.h"
-#include "orasp/planners/beam.h"
 #include "orasp/planners/bellman_ford.h"
-#include "orasp/planners/dijkstra.h"
-#include "orasp/planners/exhaustive.h"
-#include "orasp/planners/greedy.h"
-#include "orasp/planners/orasp_search.h"
-#include "orasp/planners/random_sequence.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
+#include "orasp/task/task.h"
 
 namespace orasp {
 
-/// The options of all planners, each with its defaults. A planner's row in the table picks its own.
+/// The options of all methods, each with its defaults. A method's row in the table picks its own.
 struct Options {
-  std::uint64_t seed = 1;  ///< of every planner that draws random numbers
+  /// Of every method that draws random numbers.
+  std::uint64_t seed = 1;
   ValueIterationOptions value_iteration;
   BellmanFordOptions bellman_ford;
-  BoundKind bound = BoundKind::Best;     ///< of orasp-search, a-star, beam and q-learning
-  DqnOptions dqn;                        ///< but for its seed
-  std::shared_ptr<const Policy> policy;  ///< of dqn: plan with it; empty: train first
+  /// The upper bound on what is left that orasp-search, a-star, beam and q-learning use.
+  BoundKind bound = BoundKind::Best;
+  /// How dqn trains; its seed is `seed`.
+  DqnOptions dqn;
+  /// What dqn plans with; empty: it trains a policy first.
+  std::shared_ptr<const Policy> policy;
+};
+
+/// What a row of the catalogue is handed: a task, what was derived from it once, options and
+/// budget. Exactly one of `system` and `fleet` is there: the rules of one robot, or of several,
+/// by the objective of the problem. A value of references, for the time of one call.
+struct Request {
+  const Task& task;
+  const TransitionSystem* system;
+  const FleetProblem* fleet;
+  const Options& options;
+  const Budget& budget;
+
+  [[nodiscard]] FleetOptions fleet_options() const { return {.steps = task.steps}; }
+};
+
+/// What a method is for.
+enum class Role {
+  /// It chooses among the others.
+  Chooser,
+  /// It searches for a plan.
+  Search,
+  /// It looks at everything, to check the others on small problems.
+  Check,
+  /// A baseline that takes minutes where the others take milliseconds.
+  Baseline,
+  /// It learns from episodes.
+  Learner,
 };
 
 /// One row of the catalogue: a method for one robot, for several, or for both.
 struct Planner {
   std::string_view name;
-  std::string_view summary;       ///< one line, for help texts
-  bool exact = false;             ///< proves optimality or infeasibility if it is not stopped
-  bool builds_graph = false;      ///< needs H in memory
-  std::size_t max_connections;    ///< refuses larger problems; 0: no limit of its own
-  bool (*available)() = nullptr;  ///< false where a library was left out of the build
-  Result (*run)(const TransitionSystem&, const Options&, const Budget&) = nullptr;
-  /// Of a method for several robots; empty for the others.
-  FleetResult (*run_fleet)(const FleetProblem&, const FleetOptions&, const Budget&) = nullptr;
+  /// One line, for help texts.
+  std::string_view summary;
+  Role role = Role::Search;
+  /// Proves that a plan is optimal, or that there is none, if it is not stopped.
+  bool exact = false;
+  /// Whether it plans for one robot.
+  bool one_robot = true;
+  /// Whether it plans for several robots.
+  bool fleets = false;
+  /// Whether it plans for attempts that may fail.
+  bool uncertain = false;
+  /// Why the method does not take what is asked beyond what these columns say: a clause that goes
+  /// on from its name. Empty where it takes it; null where nothing stands in its way. Where run()
+  /// meets the same obstacle it throws the same words as a Refusal. Looks at the problem, not for a
+  /// plan.
+  std::optional<std::string> (*obstacle)(const Request&) = nullptr;
+  Result (*run)(const Request&) = nullptr;
 };
 
-/// All planners, in the order of the documentation. The one table: command line, tests, docs and
-/// benchmarks walk it. Methods for fleets alone (no `run`) come last.
+/// All methods, in the order of the documentation. The one table: command line, tests, docs and
+/// benchmarks walk it.
 [[nodiscard]] std::span<const Planner> planners();
-/// Those that plan for one robot (with `run`).
-[[nodiscard]] std::span<const Planner> one_robot_planners();
+/// Those that plan for one robot, in the same order.
+[[nodiscard]] std::vector<const Planner*> one_robot_planners();
 
 /// @throws InputError `unknown method 'astr'; known: ...`.
 [[nodiscard]] const Planner& find_planner(std::string_view name);
 
-/// Runs the planner called `method` (see planners()). Every plan it returns is legal;
-/// Status::Optimal only with proof. Exceptions: InputError only.
+/// Why `method` does not take `task`, in one sentence that names methods which do; empty where it
+/// takes it. The only source of refusals: solve() throws this sentence.
+/// @throws InputError for an unknown method, and where the task makes no sense for any method.
+[[nodiscard]] std::optional<std::string> obstacle(const Task& task, std::string_view method,
+                                                  const Options& options = {},
+                                                  const Budget& budget = {});
+
+/// Answers a task by the method called `method` (see planners()): the one front door, for one robot
+/// and for several, for the whole job and for what is left of it.
 ///
 ///     const Problem problem = orasp::load_scenario("hubble");
-///     const Result result = orasp::solve(problem, "value-iteration");
-///     result.reward;    // -0.9902
-[[nodiscard]] Result solve(const Problem& problem, std::string_view method,
-                           const Options& options = {}, const Budget& budget = {});
-
-/// Runs a method for several robots; "auto" chooses one and says which.
+///     orasp::solve(problem, "value-iteration").reward;             // -0.9902
+///     const Problem lattice = orasp::load_scenario("fleet-lattice");
+///     orasp::solve(lattice, "fleet-search").fleet_plan.makespan(); // 4
 ///
-///     const Problem problem = orasp::load_scenario("fleet-lattice");
-///     const FleetResult result = orasp::solve_fleet(FleetProblem(problem), "fleet-search");
-///     result.plan.makespan();    // 4
-[[nodiscard]] FleetResult solve_fleet(const FleetProblem& fleet, std::string_view method,
-                                      const FleetOptions& options = {}, const Budget& budget = {});
+/// Every plan is replayed by the independent check (model/plan_check.h, fleet/fleet_validate.h)
+/// before it is returned: it is legal and earns what is claimed. Status::Optimal only with proof.
+/// @throws InputError where the method does not take the task: obstacle().
+/// @throws std::logic_error where a method's plan fails the check, which is a fault of ours.
+[[nodiscard]] Result solve(const Task& task, std::string_view method, const Options& options = {},
+                           const Budget& budget = {});
+
+/// The check of solve() alone, for results that did not come out of it: nothing where `result` has
+/// no plan. @throws std::logic_error where its plan breaks a rule or earns another reward than
+/// stated.
+void require_honest(const Task& task, const Result& result);
 
 }  // namespace orasp

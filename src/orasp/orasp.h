@@ -39,7 +39,7 @@
 ///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
-///     orasp::solve_fleet(orasp::FleetProblem(lattice), "fleet-search").plan.steps;
+///     orasp::solve(lattice, "fleet-search").fleet_plan.steps;
 ///
 ///     // Figures for a paper, as SVG files: structure, steps, H, growth.
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});

@@ -91,7 +91,7 @@ class Report(Case):
         solved = json.loads(orasp("solve", "fleet-lattice", "--json").out)
         self.assertEqual(data["fleet"]["robots"], 4)
         self.assertEqual(len(data["plans"][0]["steps"]), len(solved["steps"]))
-        travel = self.file("travel.json", orasp("solve", "fleet-lattice", "--objective", "travel", "--json").out)
+        travel = self.file("travel.json", orasp("solve", "fleet-lattice", "--objective", "fleet_travel", "--json").out)
         self.check(orasp("report", "fleet-lattice", travel, "-o", page), 0)
         self.assertEqual(self.data_of(page.read_text(encoding="utf-8"))["plans"][0]["status"], "optimal")
         one = self.file("one.txt", "")

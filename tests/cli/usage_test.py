@@ -53,7 +53,7 @@ class Usage(Case):
             ("solve hubble --bound best --method dijkstra", r"--bound belongs to .*, not to dijkstra"),
             ("solve hubble --bound bst --method a-star", r'--bound: "bst" is not a bound; bounds are none, connections, sizes, parts, best; did you mean "best"'  ),
             ("solve hubble --method a-star --bound", r"--bound needs a value, BOUND"),
-            ("solve hubble --bound none --objective indexed --method beam", r"beam: the bound 'none' knows nothing.*'best'"),
+            ("solve hubble --bound none --objective indexed --method beam", r"beam needs a bound, and 'none' knows nothing.*'best'"),
             ("evaluate - -", r"PROBLEM and PLAN cannot both be read from standard input"),
             ("solve hubble --alternatives 0", r'--alternatives: "0" is not a whole number from 1 to 1000000'),
             ("explain hubble --connection 99-1", r'--connection: no connection "99-1"'),

@@ -178,16 +178,14 @@ TEST_P(InTheMiddle, EveryExactPlannerAgreesWithBruteForce) {
       const Situation now = random_situation(problem, random);
       const Truth truth(spec, now);
       const TransitionSystem system(problem, now);
-      const bool bounded = make_bound(system, BoundKind::Best)->known();
-      for (const Planner& planner : one_robot_planners()) {
-        SCOPED_TRACE(planner.name);
-        if (!planner.available() || !planner.exact || planner.name == "q-learning") continue;
-        if (planner.name == "mip" &&
-            (round > 0 || problem.num_connections() > 4 || mip_obstacle(system)))
+      const Task task(problem, now);
+      for (const Planner* const planner : one_robot_planners()) {
+        SCOPED_TRACE(planner->name);
+        if (!planner->exact || planner->role == Role::Learner) continue;
+        if (planner->role == Role::Baseline && (round > 0 || problem.num_connections() > 4))
           continue;
-        if (!bounded && (planner.name == "orasp-search" || planner.name == "a-star")) continue;
-        if (planner.name == "orasp-search" && truth.best() == kNever) continue;
-        expect_right(truth, planner.run(system, quick_options(), Budget{}));
+        if (obstacle(task, planner->name, quick_options())) continue;
+        expect_right(truth, solve(task, planner->name, quick_options()));
       }
       expect_right(truth, automatic(system, 1, Budget{}));
       if (testing::Test::HasFailure()) return;

@@ -33,6 +33,7 @@ Problem tree(const std::vector<std::size_t>& parents, std::size_t robots, std::s
   fleet.robots = robots;
   for (std::size_t s = 1; s <= sites; ++s) fleet.sites.push_back({static_cast<double>(s), 0.0});
   spec.fleet = fleet;
+  spec.objective = Objective::named("makespan");
   return Problem(spec);
 }
 
@@ -44,10 +45,10 @@ std::vector<std::size_t> chain_parents(std::size_t parts) {
 
 std::size_t states(const Problem& problem, const std::string& method) {
   const FleetProblem fleet(problem);
-  const FleetResult result = solve_fleet(fleet, method);
+  const Result result = solve(problem, method);
   EXPECT_TRUE(result.has_plan()) << method;
-  EXPECT_TRUE(evaluate(fleet, result.plan).valid) << method;
-  return result.plan.makespan() + 1;
+  EXPECT_TRUE(evaluate(fleet, result.fleet_plan).valid) << method;
+  return result.fleet_plan.makespan() + 1;
 }
 
 TEST(FleetHeuristics, CountAsThePublishedOnesDo) {
@@ -67,11 +68,10 @@ TEST(FleetHeuristics, GreedyTravelsAsPublished) {
   // sqrt(2) = 28.2843 in plain distance, 20 * 2 in squared distance, which is what plans count.
   ProblemSpec spec = load_scenario("fleet-hubble").spec();
   spec.fleet->sites = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
-  const Problem problem(spec);
-  const FleetResult result = fleet_greedy(
-      FleetProblem(problem), {.objective = FleetObjective::Travel, .steps = {}, .seed = 1}, {});
+  const Problem problem = Problem(spec).with_objective(Objective::named("fleet_travel"));
+  const Result result = fleet_greedy(FleetProblem(problem), {}, {});
   double plain = 0;
-  for (const FleetStep& step : result.plan.steps) {
+  for (const FleetStep& step : result.fleet_plan.steps) {
     for (const FleetMove& move : step.moves)
       plain += std::sqrt(move.distance / static_cast<double>(move.parts.size())) *
                static_cast<double>(move.parts.size());
@@ -92,10 +92,10 @@ TEST(FleetHeuristics, AStarByHand) {
 TEST(FleetHeuristics, FastCarriesSubassembliesOffWhereGreedyDoesNot) {
   const Problem problem = tree(chain_parents(16), 6, 3);
   const FleetProblem fleet(problem);
-  const FleetResult fast = fleet_fast(fleet, {}, {});
-  const FleetResult greedy = fleet_greedy(fleet, {}, {});
-  EXPECT_LT(fast.plan.makespan(), greedy.plan.makespan());
-  EXPECT_TRUE(std::ranges::any_of(fast.plan.steps, [](const FleetStep& step) {
+  const Result fast = fleet_fast(fleet, {}, {});
+  const Result greedy = fleet_greedy(fleet, {}, {});
+  EXPECT_LT(fast.fleet_plan.makespan(), greedy.fleet_plan.makespan());
+  EXPECT_TRUE(std::ranges::any_of(fast.fleet_plan.steps, [](const FleetStep& step) {
     return std::ranges::any_of(step.moves,
                                [](const FleetMove& move) { return move.parts.size() > 1; });
   }));
@@ -111,13 +111,13 @@ TEST(FleetHeuristics, PlansOfRandomTreesKeepEveryRuleAndTakeNoFewerStepsThanTheB
     const Problem problem =
         tree(parents, 2 + random.below(4), 1 + random.below(4), random.next(), 3);
     const FleetProblem fleet(problem);
-    const FleetResult best = solve_fleet(fleet, "fleet-search");
+    const Result best = solve(problem, "fleet-search");
     ASSERT_EQ(status_name(best.status), "optimal");
     for (const char* method : {"fast", "greedy"}) {
-      const FleetResult result = solve_fleet(fleet, method);
+      const Result result = solve(problem, method);
       ASSERT_TRUE(result.has_plan()) << i << ' ' << method << ": " << result.notes.front();
-      EXPECT_TRUE(evaluate(fleet, result.plan).valid);
-      EXPECT_GE(result.plan.makespan(), best.plan.makespan()) << i << ' ' << method;
+      EXPECT_TRUE(evaluate(fleet, result.fleet_plan).valid);
+      EXPECT_GE(result.fleet_plan.makespan(), best.fleet_plan.makespan()) << i << ' ' << method;
       ++planned;
     }
   }
@@ -138,7 +138,7 @@ TEST(FleetHeuristics, WhatTheyDoNotLookAtIsSaid) {
   ProblemSpec spec = tree(chain_parents(4), 2, 1).spec();
   spec.precedence = {{"0-1", {"1-2"}, {}}};
   const Problem problem(spec);
-  const FleetResult result = fleet_greedy(FleetProblem(problem), {}, {});
+  const Result result = fleet_greedy(FleetProblem(problem), {}, {});
   EXPECT_EQ(status_name(result.status), "unknown");
   ASSERT_EQ(result.notes.size(), 1U);
   EXPECT_NE(result.notes[0].find("breaks a rule that it does not look at: step 1: "),
@@ -161,7 +161,7 @@ TEST(FleetHeuristics, ACycleIsRefusedByName) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "fast plans for products whose connections form no cycle, and connection \"2-5\" "
-                 "closes one; use fleet-search");
+                 "closes one");
   }
 }
 

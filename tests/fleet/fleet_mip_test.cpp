@@ -30,12 +30,12 @@ class FleetMip : public testing::Test {
   }
 };
 
-void expect_valid(const FleetProblem& fleet, const FleetResult& result) {
+void expect_valid(const FleetProblem& fleet, const Result& result) {
   EXPECT_EQ(result.method, "mip");
   if (!result.has_plan()) return;
-  const FleetEvaluation evaluation = evaluate(fleet, result.plan);
+  const FleetEvaluation evaluation = evaluate(fleet, result.fleet_plan);
   EXPECT_TRUE(evaluation.valid) << evaluation.violations.front().message;
-  const double good = result.objective == FleetObjective::Makespan
+  const double good = fleet.objective() == FleetObjective::Makespan
                           ? static_cast<double>(evaluation.makespan)
                           : evaluation.travel;
   EXPECT_NEAR(result.reward, 0.0 - good, 1e-9);
@@ -46,6 +46,7 @@ void expect_valid(const FleetProblem& fleet, const FleetResult& result) {
 ProblemSpec shaped(ProblemSpec spec, const std::vector<std::string>& axes, std::size_t robots) {
   for (std::size_t c = 0; c < axes.size(); ++c) spec.connections[c].axis = axes[c];
   spec.fleet = Fleet{robots, {0, 0}, {{1, 0}, {-1, -2}, {-2, 2}, {2, -2}}};
+  spec.objective = Objective::named("makespan");
   return spec;
 }
 
@@ -59,7 +60,7 @@ TEST_F(FleetMip, AgreesWithBruteForceOnTheFewestSteps) {
     const Problem problem(spec);
     const FleetProblem fleet(problem);
     const fleet_oracle::Truth truth = fleet_oracle::brute_force(spec, 0);
-    const FleetResult result = fleet_mip(fleet, {}, {});
+    const Result result = fleet_mip(fleet, {}, {});
     expect_valid(fleet, result);
     EXPECT_EQ(status_name(result.status), truth.makespan ? "optimal" : "infeasible");
     if (truth.makespan) {
@@ -73,12 +74,11 @@ TEST_F(FleetMip, AgreesWithBruteForceOnTheLeastTravel) {
   for (std::uint64_t seed = 100; seed < 100 + some_of(kTravels); ++seed) {
     const ProblemSpec spec = fleet_oracle::random_fleet(seed);
     SCOPED_TRACE(spec.name + " " + std::to_string(seed));
-    const Problem problem(spec);
+    const Problem problem = fleet_oracle::for_travel(Problem(spec));
     const FleetProblem fleet(problem);
     const fleet_oracle::Truth truth = fleet_oracle::brute_force(spec, 3);
     for (std::size_t steps = 1; steps <= 3; ++steps) {
-      const FleetResult result =
-          fleet_mip(fleet, {.objective = FleetObjective::Travel, .steps = steps}, {});
+      const Result result = fleet_mip(fleet, {.steps = steps}, {});
       expect_valid(fleet, result);
       const bool possible = truth.travel.at(steps) != fleet_oracle::kNever;
       EXPECT_EQ(status_name(result.status), possible ? "optimal" : "infeasible") << steps;
@@ -94,7 +94,7 @@ TEST_F(FleetMip, AgreesWithBruteForceOnTheLeastTravel) {
 TEST_F(FleetMip, FindsTheFewestStepsForTheLattice) {
   const Problem problem = load_scenario("fleet-lattice");
   const FleetProblem fleet(problem);
-  const FleetResult result = fleet_mip(fleet, {}, {});
+  const Result result = fleet_mip(fleet, {}, {});
   expect_valid(fleet, result);
   EXPECT_EQ(status_name(result.status), "optimal");
   EXPECT_EQ(result.reward, -4);
@@ -115,14 +115,12 @@ TEST_F(FleetMip, AgreesWithSearchOnTheShapesOfTheSmallScenarios) {
   const ProblemSpec raster =
       shaped(instances::assembly(6, {{1, 2}, {2, 3}, {1, 4}, {2, 5}, {3, 6}, {4, 5}, {5, 6}}),
              {"-x", "-x", "+y", "+y", "+y", "-x", "-x"}, 4);
-  for (const auto& [spec, objective] : {std::pair{row, FleetObjective::Makespan},
-                                        {row, FleetObjective::Travel},
-                                        {raster, FleetObjective::Makespan}}) {
-    const Problem problem(spec);
+  for (const auto& [spec, objective] :
+       {std::pair{row, "makespan"}, {row, "fleet_travel"}, {raster, "makespan"}}) {
+    const Problem problem = Problem(spec).with_objective(Objective::named(objective));
     const FleetProblem fleet(problem);
-    const FleetResult result = fleet_mip(fleet, {.objective = objective, .steps = {}}, {});
-    const FleetResult other =
-        solve_fleet(fleet, "fleet-search", {.objective = objective, .steps = {}});
+    const Result result = fleet_mip(fleet, {}, {});
+    const Result other = solve(problem, "fleet-search");
     expect_valid(fleet, result);
     EXPECT_EQ(status_name(result.status), "optimal");
     EXPECT_NEAR(result.reward, other.reward, 1e-9);
@@ -136,11 +134,12 @@ TEST_F(FleetMip, TakesMoreStepsThanThereArePartsWhereThatSavesTravel) {
   ProblemSpec spec = instances::assembly(8, {{1, 2}, {3, 4}, {5, 6}, {7, 8}});
   for (Connection& connection : spec.connections) connection.axis = "+x";
   spec.fleet = Fleet{2, {0, 0}, {{1, 0}, {2, 0}, {3, 0}, {4, 0}}};
-  const Problem problem(spec);
-  const FleetProblem fleet(problem);
-  const FleetOptions options{.objective = FleetObjective::Travel, .steps = 10};
+  spec.objective = Objective::named("makespan");
+  const Problem problem = fleet_oracle::for_travel(Problem(spec));
+  Task task(problem);
+  task.steps = 10;
   for (const char* method : {"mip", "fleet-search"}) {
-    const FleetResult result = solve_fleet(fleet, method, options);
+    const Result result = solve(task, method);
     EXPECT_EQ(status_name(result.status), "optimal") << method;
     EXPECT_NEAR(result.reward, -20, 1e-9) << method;
   }
@@ -153,7 +152,7 @@ TEST_F(FleetMip, SaysWhatItKnowsWhenItIsStopped) {
   source.request_stop();
   Budget budget;
   budget.stop = source.get_token();
-  const FleetResult result = fleet_mip(fleet, {}, budget);
+  const Result result = fleet_mip(fleet, {}, budget);
   EXPECT_EQ(status_name(result.status), "unknown");
   EXPECT_EQ(stop_name(result.stop), "interrupted");
   EXPECT_EQ(result.bound, -3);  // 9 parts, 4 robots
@@ -167,25 +166,25 @@ TEST(FleetMipModel, NamesEachColumnAndRowOnce) {
   spec.limits = {.max_subassemblies = 3, .max_moved_parts = 2, .max_moved_mass = 5};
   spec.blocking = Blocking{{"+x", "-x"}, {{"1", "2", {"+x"}}}};
   const Problem problem(spec);
-  const FleetProblem fleet(problem);
-  for (const FleetObjective objective : {FleetObjective::Makespan, FleetObjective::Travel}) {
-    const MipModel model = fleet_mip_model(fleet, objective, 5);
+  for (const Problem& asked : {problem, fleet_oracle::for_travel(problem)}) {
+    const FleetProblem fleet(asked);
+    const MipModel model = fleet_mip_model(fleet, 5);
     std::set<std::string> names;
     for (const MipModel::Column& column : model.columns())
       EXPECT_TRUE(names.insert(column.name).second) << column.name;
     names.clear();
     for (const MipModel::Row& row : model.rows())
       EXPECT_TRUE(names.insert(row.name).second) << row.name;
-    EXPECT_GT(model.num_columns(), fleet_mip_model(fleet, objective, 4).num_columns());
+    EXPECT_GT(model.num_columns(), fleet_mip_model(fleet, 4).num_columns());
     // Published: 6,432 binary columns for these parts, sites, robots and steps.
     EXPECT_LT(model.num_integers(), 6432U / 4);
   }
 }
 
 TEST(FleetMipModel, RefusesWhatCannotBeBuiltWithItsSize) {
-  const Problem problem = load_scenario("fleet-hubble");
+  const Problem problem = fleet_oracle::for_travel(load_scenario("fleet-hubble"));
   try {
-    (void)fleet_mip_model(FleetProblem(problem), FleetObjective::Travel, 1000);
+    (void)fleet_mip_model(FleetProblem(problem), 1000);
     FAIL() << "no error";
   } catch (const InputError& error) {
     const std::string text = error.what();

@@ -29,17 +29,17 @@ Problem lattice(std::size_t robots, std::size_t sites) {
 
 /// What must hold of any answer: a plan keeps the rules and is worth what it says, and its bound is
 /// true.
-void expect_honest(const FleetProblem& fleet, const FleetResult& result) {
+void expect_honest(const FleetProblem& fleet, const Result& result) {
   if (!result.has_plan()) {
-    EXPECT_TRUE(result.plan.steps.empty());
+    EXPECT_TRUE(result.fleet_plan.steps.empty());
     return;
   }
-  const FleetEvaluation evaluation = evaluate(fleet, result.plan);
+  const FleetEvaluation evaluation = evaluate(fleet, result.fleet_plan);
   for (const FleetViolation& violation : evaluation.violations)
     ADD_FAILURE() << "step " << violation.step << ": " << violation.message;
-  EXPECT_NEAR(evaluation.travel, result.plan.travel(), 1e-9);
+  EXPECT_NEAR(evaluation.travel, result.fleet_plan.travel(), 1e-9);
   EXPECT_NEAR(result.reward,
-              result.objective == FleetObjective::Makespan
+              fleet.objective() == FleetObjective::Makespan
                   ? -static_cast<double>(evaluation.makespan)
                   : -evaluation.travel,
               1e-9);
@@ -51,36 +51,37 @@ void expect_honest(const FleetProblem& fleet, const FleetResult& result) {
   }
 }
 
-FleetResult run(const Problem& problem, const FleetOptions& options, const Budget& budget = {}) {
+Result run(const Problem& problem, const FleetOptions& options, const Budget& budget = {}) {
   const FleetProblem fleet(problem);
-  FleetResult result = fleet_search(fleet, options, budget);
+  Result result = fleet_search(fleet, options, budget);
   expect_honest(fleet, result);
   return result;
 }
 
-FleetResult fewest_steps(const Problem& problem) {
+Result fewest_steps(const Problem& problem) {
   return run(problem, {});
 }
-FleetResult least_travel(const Problem& problem, std::optional<std::size_t> steps = {}) {
-  return run(problem, {.objective = FleetObjective::Travel, .steps = steps});
+Result least_travel(const Problem& problem, std::optional<std::size_t> steps = {}) {
+  return run(fleet_oracle::for_travel(problem), {.steps = steps});
 }
 
 TEST(FleetSearch, FindsThePublishedFewestStepsOfTheLattice) {
-  const FleetResult result = fewest_steps(lattice(4, 4));
+  const Result result = fewest_steps(lattice(4, 4));
   EXPECT_EQ(result.status, Status::Optimal);
-  EXPECT_EQ(result.plan.makespan(), 4U);
+  EXPECT_EQ(result.fleet_plan.makespan(), 4U);
   EXPECT_EQ(result.reward, -4);
 }
 
 TEST(FleetSearch, FindsThePublishedLeastTravelOfTheLattice) {
   for (const auto& [steps, travel] :
        std::vector<std::pair<std::size_t, double>>{{4, 81}, {5, 58}, {6, 54}, {7, 54}, {12, 54}}) {
-    const FleetResult result = least_travel(lattice(4, 4), steps);
+    const Result result = least_travel(lattice(4, 4), steps);
     EXPECT_EQ(result.status, Status::Optimal) << steps;
-    EXPECT_EQ(result.plan.travel(), travel) << steps;
-    EXPECT_LE(result.plan.makespan(), steps);
+    EXPECT_EQ(result.fleet_plan.travel(), travel) << steps;
+    EXPECT_LE(result.fleet_plan.makespan(), steps);
   }
-  EXPECT_EQ(least_travel(lattice(4, 4)).plan.travel(), 81);  // in the fewest steps, which are 4
+  EXPECT_EQ(least_travel(lattice(4, 4)).fleet_plan.travel(),
+            81);  // in the fewest steps, which are 4
   EXPECT_EQ(least_travel(lattice(4, 4)).steps_allowed, 4U);
   EXPECT_EQ(least_travel(lattice(4, 4), 3).status, Status::Infeasible);
 }
@@ -93,10 +94,10 @@ TEST(FleetSearch, AgreesWithThePublishedTableOfRobotsAndSites) {
   for (const auto& [robots, sites, steps] :
        {Row{3, 1, kNoPlan}, Row{3, 2, 5}, Row{3, 4, 5}, Row{4, 1, kNoPlan}, Row{4, 2, 5},
         Row{4, 3, 4}, Row{2, 4, kNoPlan}, Row{2, 1, kNoPlan}, Row{1, 4, kNoPlan}}) {
-    const FleetResult result = fewest_steps(lattice(robots, sites));
+    const Result result = fewest_steps(lattice(robots, sites));
     EXPECT_EQ(result.status, steps == kNoPlan ? Status::Infeasible : Status::Optimal)
         << robots << " robots, " << sites << " sites";
-    EXPECT_EQ(result.plan.makespan(), steps) << robots << " robots, " << sites << " sites";
+    EXPECT_EQ(result.fleet_plan.makespan(), steps) << robots << " robots, " << sites << " sites";
     EXPECT_EQ(result.notes.empty(), steps != kNoPlan);
   }
 }
@@ -134,19 +135,19 @@ TEST_P(FleetAgreement, EveryMethodIsRightAboutEveryRandomProblem) {
     SCOPED_TRACE(spec.name);
     const fleet_oracle::Truth truth = fleet_oracle::brute_force(spec, kSteps);
     const Problem problem(spec);
+    const Problem travelling = fleet_oracle::for_travel(problem);
     const FleetProblem fleet(problem);
     for (const Planner& planner : planners()) {
-      if (planner.run_fleet == nullptr || !planner.available()) continue;
       // The integer program takes seconds where others take a millisecond: fleet_mip_test.cpp
       // compares it.
-      if (planner.name == "mip") continue;
+      if (planner.role == Role::Baseline) continue;
       SCOPED_TRACE(std::string(planner.name));
-      // fast and greedy plan for trees, and say so of anything else.
-      if (has_cycle(problem) && (planner.name == "fast" || planner.name == "greedy")) {
-        EXPECT_THROW(static_cast<void>(solve_fleet(fleet, planner.name)), InputError);
+      if (const auto reason = obstacle(problem, planner.name)) {
+        EXPECT_EQ(fault_of([&] { return solve(problem, planner.name); }), *reason);
+        EXPECT_TRUE(!planner.fleets || has_cycle(problem)) << *reason;
         continue;
       }
-      const FleetResult fewest = solve_fleet(fleet, planner.name);
+      const Result fewest = solve(problem, planner.name);
       expect_honest(fleet, fewest);
       if (!truth.makespan) {
         EXPECT_FALSE(fewest.has_plan());
@@ -155,27 +156,27 @@ TEST_P(FleetAgreement, EveryMethodIsRightAboutEveryRandomProblem) {
         EXPECT_FALSE(truth.makespan);
       }
       if (fewest.status == Status::Optimal) {
-        EXPECT_EQ(fewest.plan.makespan(), truth.makespan);
+        EXPECT_EQ(fewest.fleet_plan.makespan(), truth.makespan);
       }
       if (fewest.bound && truth.makespan) {
         EXPECT_GE(*fewest.bound, -static_cast<double>(*truth.makespan));
       }
-      const bool settles = planner.exact || planner.name == "auto";
+      const bool settles = planner.exact || planner.role == Role::Chooser;
       if (settles) {
         EXPECT_EQ(fewest.status, truth.makespan ? Status::Optimal : Status::Infeasible);
       }
       for (std::size_t steps = 0; steps <= kSteps; ++steps) {
-        const FleetOptions options{.objective = FleetObjective::Travel,
-                                   .steps = steps == 0 ? std::nullopt : std::optional(steps)};
-        const FleetResult least = solve_fleet(fleet, planner.name, options);
-        expect_honest(fleet, least);
+        Task task(travelling);
+        if (steps > 0) task.steps = steps;
+        const Result least = solve(task, planner.name);
+        expect_honest(FleetProblem(travelling), least);
         const std::size_t within = steps == 0 ? truth.makespan.value_or(0) : steps;
         const double travel = steps == 0 && !truth.makespan ? kNever : truth.travel[within];
         if (least.has_plan()) {
-          EXPECT_TRUE(steps == 0 || least.plan.makespan() <= steps);
+          EXPECT_TRUE(steps == 0 || least.fleet_plan.makespan() <= steps);
         }
         if (least.status == Status::Optimal) {
-          EXPECT_NEAR(least.plan.travel(), travel, 1e-9) << steps;
+          EXPECT_NEAR(least.fleet_plan.travel(), travel, 1e-9) << steps;
         }
         if (least.status == Status::Infeasible) {
           EXPECT_EQ(travel, kNever) << steps;
@@ -199,10 +200,10 @@ TEST(FleetRandomProblems, AreOfEveryKind) {
   std::size_t longer_is_cheaper = 0;
   for (std::uint64_t seed = 0; seed < some_of(480U); ++seed) {
     const Problem problem(fleet_oracle::random_fleet(seed));
-    const FleetResult result = fewest_steps(problem);
+    const Result result = fewest_steps(problem);
     ++(result.has_plan() ? feasible : infeasible);
     if (!result.has_plan()) continue;
-    const std::size_t steps = result.plan.makespan();
+    const std::size_t steps = result.fleet_plan.makespan();
     many_steps += steps >= 3 ? 1 : 0;
     longer_is_cheaper +=
         least_travel(problem, steps + 2).reward > least_travel(problem, steps).reward ? 1 : 0;
@@ -216,6 +217,7 @@ TEST(FleetRandomProblems, AreOfEveryKind) {
 TEST(FleetSearch, HasAnEmptyPlanWhereNothingIsJoined) {
   ProblemSpec spec = instances::assembly(3, {});
   spec.fleet = Fleet{.robots = 1, .depot = {}, .sites = {{1, 0}}};
+  spec.objective = Objective::named("makespan");
   EXPECT_EQ(fewest_steps(Problem(spec)).status, Status::Optimal);
   EXPECT_EQ(fewest_steps(Problem(spec)).reward, 0);
   EXPECT_EQ(least_travel(Problem(spec)).reward, 0);
@@ -226,13 +228,12 @@ TEST(FleetSearch, IsStoppedWithABoundAndAPlanIfThereIsOne) {
   for (std::uint64_t expansions = 0; expansions < 200; expansions += 7) {
     Budget budget;
     budget.max_expansions = expansions;
-    const FleetResult result = run(problem, {}, budget);
+    const Result result = run(problem, {}, budget);
     EXPECT_TRUE(result.status == Status::Optimal || result.stop == Stop::ExpansionLimit);
     if (result.bound) {
       EXPECT_GE(*result.bound, -5);
     }
-    const FleetResult travel =
-        run(problem, {.objective = FleetObjective::Travel, .steps = 6}, budget);
+    const Result travel = run(fleet_oracle::for_travel(problem), {.steps = 6}, budget);
     EXPECT_TRUE(travel.status == Status::Optimal || travel.stop == Stop::ExpansionLimit);
   }
   std::stop_source source;
@@ -244,18 +245,19 @@ TEST(FleetSearch, IsStoppedWithABoundAndAPlanIfThereIsOne) {
 
 TEST(FleetSearch, AnswersTheSameTwice) {
   const Problem problem = load_scenario("fleet-hubble");
-  EXPECT_EQ(fewest_steps(problem).plan, fewest_steps(problem).plan);
+  EXPECT_EQ(fewest_steps(problem).fleet_plan, fewest_steps(problem).fleet_plan);
   const Problem small = lattice(4, 3);
-  EXPECT_EQ(least_travel(small).plan, least_travel(small).plan);
+  EXPECT_EQ(least_travel(small).fleet_plan, least_travel(small).fleet_plan);
 }
 
 TEST(FleetSearch, SaysHowManyPartsItTakes) {
   ProblemSpec spec = instances::assembly(65, {{1, 2}});
   spec.connections[0].axis = "+x";
   spec.fleet = Fleet{.robots = 2, .depot = {}, .sites = {{1, 0}}};
+  spec.objective = Objective::named("makespan");
   const Problem problem(spec);
   EXPECT_EQ(fault_of([&] { return fleet_search(FleetProblem(problem), {}, {}); }),
-            "parts: an exact search for fleets takes at most 64 parts, and there are 65");
+            "fleet-search takes at most 64 parts; this problem has 65");
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ ProblemSpec row() {
   ProblemSpec spec = instances::assembly(3, {{1, 2}, {2, 3}});
   for (Connection& connection : spec.connections) connection.axis = "+x";
   spec.fleet = Fleet{.robots = 3, .depot = {0, 0}, .sites = {{1, 0}, {2, 0}}};
+  spec.objective = Objective::named("makespan");
   return spec;
 }
 
@@ -32,6 +33,7 @@ std::string fault(const ProblemSpec& spec) {
 TEST(FleetProblem, SaysInASentenceWhatIsMissing) {
   ProblemSpec spec = row();
   spec.fleet.reset();
+  spec.objective = Objective();
   EXPECT_EQ(fault(spec),
             "fleet: the problem has no \"fleet\", which a method for several robots needs: the "
             "number of robots, "
@@ -85,6 +87,7 @@ TEST(FleetProblem, SeesWithoutSearchThatThereIsNoPlan) {
   ProblemSpec spec = instances::assembly(4, {{1, 2}, {3, 4}});
   for (Connection& connection : spec.connections) connection.axis = "+x";
   spec.fleet = Fleet{.robots = 4, .depot = {0, 0}, .sites = {{1, 0}}};
+  spec.objective = Objective::named("makespan");
   const Problem crowded(spec);
   EXPECT_TRUE(FleetProblem(crowded).infeasibility().has_value());
   spec.fleet->sites.push_back({2, 0});

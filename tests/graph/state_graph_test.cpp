@@ -285,22 +285,17 @@ TEST(GraphEstimate, IsOfTheRightOrderUnderConstraints) {
   }
 }
 
-TEST(RequireGraphFits, RefusesWithTheEstimateAndOtherMethods) {
+TEST(GraphObstacle, GivesTheEstimate) {
   const Problem problem(chain(500));
-  try {
-    require_graph_fits(TransitionSystem(problem), Budget{}, "dijkstra");
-    FAIL() << "no error";
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    for (const char* word : {"dijkstra", "states", "orasp-search", "greedy"}) {
-      EXPECT_NE(text.find(word), std::string::npos) << text;
-    }
-  }
+  const auto reason = graph_obstacle(TransitionSystem(problem), Budget{});
+  ASSERT_TRUE(reason);
+  for (const char* word : {"states", "actions", "of memory", "are allowed"})
+    EXPECT_NE(reason->find(word), std::string::npos) << *reason;
   const Problem small = load_scenario("hubble");
-  EXPECT_NO_THROW(require_graph_fits(TransitionSystem(small), Budget{}, "dijkstra"));
+  EXPECT_FALSE(graph_obstacle(TransitionSystem(small), Budget{}));
   Budget tiny;
   tiny.max_bytes = 10'000;
-  EXPECT_THROW(require_graph_fits(TransitionSystem(small), tiny, "dijkstra"), InputError);
+  EXPECT_TRUE(graph_obstacle(TransitionSystem(small), tiny));
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 
 #include "orasp/fleet/fleet_search.h"
 #include "orasp/fleet/fleet_validate.h"
+#include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "tests/fault.h"
@@ -12,21 +13,20 @@
 namespace orasp {
 namespace {
 
-FleetResult solved(const FleetProblem& fleet, FleetObjective objective) {
-  return fleet_search(fleet, {.objective = objective, .steps = {}}, {});
+Result solved(const Problem& problem) {
+  return fleet_search(FleetProblem(problem), {}, {});
 }
 
 TEST(FleetPlanJson, ComesBackAsItWasWritten) {
   for (const char* name : {"fleet-lattice", "fleet-hubble"}) {
-    const Problem problem = load_scenario(name);
-    const FleetProblem fleet(problem);
-    for (const FleetObjective objective : {FleetObjective::Makespan, FleetObjective::Travel}) {
-      const FleetResult result = solved(fleet, objective);
-      const std::string text = fleet_plan_text(fleet, result, {});
+    for (const char* objective : {"makespan", "fleet_travel"}) {
+      const Problem problem = load_scenario(name).with_objective(Objective::named(objective));
+      const FleetProblem fleet(problem);
+      const Result result = solved(problem);
+      const std::string text = plan_text(problem, result, {});
       ASSERT_TRUE(is_fleet_plan(text));
       const FleetPlanFile file = parse_fleet_plan(text, fleet);
-      EXPECT_EQ(file.plan, result.plan);
-      EXPECT_EQ(file.objective, objective);
+      EXPECT_EQ(file.plan, result.fleet_plan);
       EXPECT_EQ(file.problem_digest, problem_digest(problem));
       EXPECT_TRUE(evaluate(fleet, file.plan).valid);
     }
@@ -34,16 +34,16 @@ TEST(FleetPlanJson, ComesBackAsItWasWritten) {
 }
 
 TEST(FleetPlanJson, HoldsTheKeysOfAPlanAndThoseOfAFleet) {
-  const Problem problem = load_scenario("fleet-lattice");
-  const FleetProblem fleet(problem);
-  const FleetResult result = solved(fleet, FleetObjective::Travel);
-  const auto json = nlohmann::json::parse(fleet_plan_text(fleet, result, {{"steps", "4"}}));
+  const Problem problem =
+      load_scenario("fleet-lattice").with_objective(Objective::named("fleet_travel"));
+  const Result result = solved(problem);
+  const auto json = nlohmann::json::parse(plan_text(problem, result, {{"steps", "4"}}));
   EXPECT_EQ(json["format"], "orasp-plan/1");
   EXPECT_EQ(json["status"], "optimal");
   EXPECT_EQ(json["reward"], -81);
   EXPECT_EQ(json["bound"], -81);
   EXPECT_EQ(json["gap"], 0);
-  EXPECT_EQ(json["fleet"]["objective"], "travel");
+  EXPECT_EQ(json["fleet"]["objective"], "fleet_travel");
   EXPECT_EQ(json["fleet"]["steps_allowed"], 4);
   EXPECT_EQ(json["fleet"]["makespan"], 4);
   EXPECT_EQ(json["fleet"]["travel"], 81);
@@ -71,9 +71,7 @@ TEST(FleetPlanJson, WritesAnAnswerWithoutAPlan) {
   ProblemSpec spec = load_scenario("fleet-lattice").spec();
   spec.fleet->robots = 2;
   const Problem problem(spec);
-  const FleetProblem fleet(problem);
-  const auto json =
-      nlohmann::json::parse(fleet_plan_text(fleet, solved(fleet, FleetObjective::Makespan), {}));
+  const auto json = nlohmann::json::parse(plan_text(problem, solved(problem), {}));
   EXPECT_EQ(json["status"], "infeasible");
   EXPECT_TRUE(json["reward"].is_null());
   EXPECT_TRUE(json["bound"].is_null());
@@ -133,7 +131,7 @@ TEST(FleetPlanJson, NamesTheFaultAndItsPlace) {
                   R"({"format": "orasp-plan/1", "fleet": {"objective": "speed"}, "steps": []})",
                   fleet);
             }),
-            R"(fleet.objective: "speed" is neither makespan nor travel)");
+            R"(fleet.objective: "speed" is none of makespan, fleet_travel)");
 }
 
 }  // namespace

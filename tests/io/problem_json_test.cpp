@@ -78,8 +78,7 @@ const char* const kEverything =
   "objective": {"type": "sum", "terms": [{"weight": 0.5, "type": "time", "depot": [1.0, 2.0, )"
     R"(3.0], "speed": 2.0, "transfer": 0.0}, {"type": "expression", "formula": "-k * duration", )"
     R"("constants": {"k": 3.0}, "depot": [0.0, 0.0, 1.0]}]},
-  "direction": "assembly",
-  "fleet": {"robots": 4, "depot": [0.0, 1.0], "sites": [[1.0, 0.0], [-1.0, -2.0]]}
+  "direction": "assembly"
 }
 )";
 
@@ -104,13 +103,30 @@ TEST(ProblemJson, ReadsEveryKey) {
   EXPECT_EQ(spec.limits.max_moved_parts, 3U);
   EXPECT_EQ(spec.limits.max_moved_mass, 20.5);
   EXPECT_EQ(spec.direction, Direction::Assembly);
-  EXPECT_EQ(spec.fleet->robots, 4U);
-  EXPECT_EQ(spec.fleet->sites[1], (std::array<double, 2>{-1, -2}));
   const auto& terms = std::get<WeightedSum>(spec.objective.parameters).terms;
   EXPECT_EQ(terms[0].weight, 0.5);
   EXPECT_EQ(std::get<TimeObjective>(terms[0].objective.parameters).depot, (Vector3{1, 2, 3}));
   EXPECT_EQ(terms[1].weight, 1);
   EXPECT_EQ(std::get<Expression>(terms[1].objective.parameters).constants.at("k"), 3);
+}
+
+TEST(ProblemJson, ReadsAndWritesAFleet) {
+  const std::string fleet =
+      R"("fleet": {"robots": 4, "depot": [0.0, 1.0], "sites": [[1.0, 0.0], [-1.0, -2.0]]})";
+  const Problem problem = parse_problem(with(fleet));
+  const ProblemSpec& spec = problem.spec();
+  EXPECT_EQ(spec.fleet->robots, 4U);
+  EXPECT_EQ(spec.fleet->sites[1], (std::array<double, 2>{-1, -2}));
+  EXPECT_EQ(spec.objective.type, "makespan");  // what a fleet means that states nothing
+  EXPECT_NE(problem_text(problem).find(fleet), std::string::npos) << problem_text(problem);
+  EXPECT_EQ(
+      parse_problem(with(fleet + R"(, "objective": {"type": "fleet_travel"})")).objective().type,
+      "fleet_travel");
+  EXPECT_EQ(
+      fault(with(fleet + R"(, "objective": {"type": "time"})")),
+      "objective.type: \"time\" judges plans of one robot, and a problem with \"fleet\" has "
+      "an objective of several, makespan or fleet_travel; without \"fleet\" it is planned for "
+      "one");
 }
 
 TEST(ProblemJson, WritesWhatItRead) {

@@ -151,8 +151,7 @@ TEST(Mip, SaysWhichObjectiveItCannotTake) {
 TEST(Mip, SaysHowManyConnectionsAreTooMany) {
   EXPECT_EQ(obstacle(chain(33)), "");
   const std::string text = obstacle(chain(34));
-  EXPECT_NE(text.find("33 connections"), std::string::npos) << text;
-  EXPECT_NE(text.find("at most 32"), std::string::npos) << text;
+  EXPECT_EQ(text, "takes at most 32 connections for its integer program; this problem has 33");
 }
 
 TEST(Mip, SaysThatItCannotWaitForALatePart) {

@@ -159,6 +159,17 @@ TEST(Problem, WarnsOfAConnectionOfAPartToItself) {
 TEST(Problem, ChecksItsFleet) {
   ProblemSpec spec = five_parts();
   spec.fleet = Fleet{.robots = 4, .depot = {}, .sites = {}};
+  EXPECT_EQ(
+      fault_of([&] { return Problem(spec); }),
+      "objective.type: \"cubesat\" judges plans of one robot, and a problem with \"fleet\" has "
+      "an objective of several, makespan or fleet_travel; without \"fleet\" it is planned for "
+      "one");
+  spec.objective = Objective::named("makespan");
+  spec.connections[1].duration = 2;
+  EXPECT_EQ(fault_of([&] { return Problem(spec); }),
+            "connections[1].duration: robots of a fleet work in steps, whose number and travel "
+            "count; a duration would mean nothing, leave it out");
+  spec.connections[1].duration = 1;
   EXPECT_TRUE(Problem(spec).warnings().empty());
   spec.fleet->robots = 0;
   EXPECT_EQ(fault_of([&] { return Problem(spec); }),
@@ -342,7 +353,9 @@ TEST(Objective, OfAFleetNeedsAFleetAndStandsInNoSum) {
                   "\" judges plans of several robots and cannot stand in a sum");
   }
   for (const std::string_view type : kObjectiveTypes) {
-    if (type != "expression" && type != "sum") EXPECT_FALSE(Objective::named(type).of_fleet());
+    if (type != "expression" && type != "sum") {
+      EXPECT_FALSE(Objective::named(type).of_fleet());
+    }
   }
 }
 

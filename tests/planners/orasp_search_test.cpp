@@ -78,8 +78,9 @@ TEST(OraspSearch, SaysWhichMethodsNeedNoBound) {
   spec.objective = random_objective("expression", 1);
   const Problem problem(spec);
   const TransitionSystem system(problem);
+  EXPECT_THROW((void)orasp_search(system, {}, Budget{}), Refusal);
   try {
-    (void)orasp_search(system, {}, Budget{});
+    (void)solve(problem, "orasp-search");
     FAIL() << "no error";
   } catch (const InputError& error) {
     const std::string text = error.what();

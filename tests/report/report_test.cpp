@@ -198,10 +198,10 @@ TEST(Report, AFleetsStatesFollowItsMoves) {
   const Problem problem = load_scenario("fleet-lattice");
   const FleetProblem fleet(problem);
   FleetReport report;
-  report.best = solve_fleet(fleet, "fleet-search");
-  report.plans = {{.label = "x", .origin = "", .plan = report.best.plan, .notes = {}}};
+  report.best = solve(problem, "fleet-search");
+  report.plans = {{.label = "x", .origin = "", .plan = report.best.fleet_plan, .notes = {}}};
   const Json plan = Json::parse(report_data(fleet, report))["plans"][0];
-  const std::size_t n = report.best.plan.makespan();
+  const std::size_t n = report.best.fleet_plan.makespan();
   EXPECT_EQ(plan["status"], "optimal");
   ASSERT_EQ(plan["world"].size(), n + 1);
   EXPECT_EQ(plan["states"][0], Json({1, 1}));

@@ -22,9 +22,14 @@ std::optional<std::filesystem::path> module_file(const Module& module) {
   return std::nullopt;
 }
 
+std::optional<std::string> module_obstacle(const Module& module) {
+  if (module_file(module)) return std::nullopt;
+  return std::string(module.absent);
+}
+
 void* load_module(const Module& module) {
   const std::optional<std::filesystem::path> file = module_file(module);
-  if (!file) throw InputError(std::string(module.absent));
+  if (!file) throw Refusal(module.method, std::string(module.absent));
   void* const opened = dlopen(file->c_str(), RTLD_NOW | RTLD_LOCAL);
   if (opened == nullptr) {
     const char* const reason = dlerror();

@@ -61,7 +61,7 @@ struct Alternatives {
                                       std::uint64_t most, const Budget& budget);
 
 /// Builds H and does both, as asked: the number of optimal sequences if `count`, the `most` best
-/// plans unless 0. Whether H fits is for the caller to ask before (require_graph_fits); the
+/// plans unless 0. Whether H fits is for the caller to ask before (graph_obstacle); the
 /// budget's memory holds in any case.
 [[nodiscard]] Alternatives find_alternatives(const TransitionSystem& system, bool count,
                                              std::uint64_t most, const Budget& budget);

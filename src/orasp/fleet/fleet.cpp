@@ -44,6 +44,8 @@ FleetProblem::FleetProblem(const Problem& problem) : problem_(&problem) {
         "direction: \"assembly\" is not allowed in a fleet problem, which is stated for "
         "disassembly; its plan read "
         "backwards assembles");
+  if (std::holds_alternative<FleetTravel>(problem.objective().parameters))
+    objective_ = FleetObjective::Travel;
   axis_.reserve(problem.num_connections());
   for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
     const Connection& connection = problem.connections()[c];
@@ -66,6 +68,11 @@ FleetProblem::FleetProblem(const Problem& problem) : problem_(&problem) {
   most_subassemblies_ = num_sites();
   if (spec.limits.max_subassemblies)
     most_subassemblies_ = std::min(most_subassemblies_, *spec.limits.max_subassemblies);
+}
+
+double FleetProblem::reward(const FleetPlan& plan) const {
+  return objective_ == FleetObjective::Makespan ? 0.0 - static_cast<double>(plan.makespan())
+                                                : 0.0 - plan.travel();
 }
 
 std::string FleetProblem::place_name(PlaceIndex place) {
@@ -92,18 +99,6 @@ std::optional<std::string> FleetProblem::infeasibility() const {
   if (subassemblies > 0 && robots() < 2)
     return "the last connection takes two robots, one for each of its parts, and there is one";
   return std::nullopt;
-}
-
-double FleetPlan::travel() const {
-  double sum = 0;
-  for (const FleetStep& step : steps) sum += step.distance;
-  return sum;
-}
-
-std::vector<ConnectionIndex> FleetPlan::sequence() const {
-  std::vector<ConnectionIndex> order;
-  for (const FleetStep& step : steps) order.insert(order.end(), step.cut.begin(), step.cut.end());
-  return order;
 }
 
 FleetState fleet_start(const FleetProblem& fleet, std::span<const PlaceIndex> places) {

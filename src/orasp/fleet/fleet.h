@@ -2,15 +2,14 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "orasp/model/connection_set.h"
 #include "orasp/model/problem.h"
+#include "orasp/task/fleet_plan.h"
 
 namespace orasp {
 
@@ -24,25 +23,20 @@ namespace orasp {
 /// stays cannot change its site, except for the depot. docs/format.md, section "Fleet problems",
 /// states every rule.
 
-/// Place 0 is the depot, place s is site s, in the order of the problem file.
-using PlaceIndex = std::uint32_t;
-inline constexpr PlaceIndex kDepot = 0;
+/// What a plan of several robots is to be good at: the objective of the problem.
+enum class FleetObjective {
+  /// `makespan`: the fewest steps.
+  Makespan,
+  /// `fleet_travel`: the least travel, over all parts and steps the squared distance, in m^2.
+  Travel,
+};
 
-/// How a part moves in a step: 0 stays, d + 1 goes along direction d of kDirectionNames.
-using Motion = std::uint8_t;
-inline constexpr Motion kStay = 0;
-inline constexpr std::size_t kNumMotions = kDirectionNames.size() + 1;
-[[nodiscard]] constexpr Motion motion_along(std::size_t direction) {
-  return static_cast<Motion>(direction + 1);
-}
-/// Of a motion that is not kStay.
-[[nodiscard]] constexpr std::size_t direction_of(Motion motion) {
-  return motion - std::size_t{1};
-}
-/// "stay", "+x" ... "-z".
-[[nodiscard]] constexpr std::string_view motion_name(Motion motion) {
-  return motion == kStay ? std::string_view("stay") : kDirectionNames[direction_of(motion)];
-}
+/// The horizon that a method for several robots is given.
+struct FleetOptions {
+  /// At most so many steps. Empty: for the makespan as many as it takes, for the travel the fewest
+  /// possible.
+  std::optional<std::size_t> steps = {};
+};
 
 /// A fleet problem: a checked view on a Problem, which must outlive it. Immutable. Indices of parts
 /// and connections are those of the problem.
@@ -63,6 +57,9 @@ class FleetProblem {
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] std::size_t num_parts() const { return problem_->num_parts(); }
   [[nodiscard]] std::size_t num_connections() const { return problem_->num_connections(); }
+  [[nodiscard]] FleetObjective objective() const { return objective_; }
+  /// What `plan` earns: minus its steps, or minus its travel. More is better, as for one robot.
+  [[nodiscard]] double reward(const FleetPlan& plan) const;
   [[nodiscard]] std::size_t robots() const { return problem_->spec().fleet->robots; }
   [[nodiscard]] std::size_t num_sites() const { return problem_->spec().fleet->sites.size(); }
   /// Depot and sites: num_sites() + 1.
@@ -97,45 +94,10 @@ class FleetProblem {
 
  private:
   const Problem* problem_;
+  FleetObjective objective_ = FleetObjective::Makespan;
   std::vector<std::size_t> axis_;
   std::size_t dimensions_ = 1;
   std::size_t most_subassemblies_ = 0;
-};
-
-/// A block that robots hold in a step: one part that leaves for the depot, or a subassembly that
-/// moves.
-struct FleetMove {
-  std::vector<PartIndex> parts;     ///< ascending
-  std::vector<std::size_t> robots;  ///< from 1, one for each part, in the order of `parts`
-  PlaceIndex from = kDepot;
-  PlaceIndex to = kDepot;
-  Motion motion = kStay;
-  double distance = 0;  ///< m^2: squared distance, summed over the parts
-
-  friend bool operator==(const FleetMove&, const FleetMove&) = default;
-};
-
-struct FleetStep {
-  std::vector<ConnectionIndex> cut;  ///< ascending
-  std::vector<FleetMove> moves;      ///< by their first part
-  std::size_t robots_used = 0;
-  double distance = 0;  ///< m^2, of all moves
-
-  friend bool operator==(const FleetStep&, const FleetStep&) = default;
-};
-
-/// A plan in the order of disassembly.
-struct FleetPlan {
-  std::vector<PlaceIndex> start;  ///< of each part
-  std::vector<FleetStep> steps;
-
-  [[nodiscard]] std::size_t makespan() const { return steps.size(); }
-  /// m^2, of all steps.
-  [[nodiscard]] double travel() const;
-  /// All connections in the order in which they are cut.
-  [[nodiscard]] std::vector<ConnectionIndex> sequence() const;
-
-  friend bool operator==(const FleetPlan&, const FleetPlan&) = default;
 };
 
 /// What stands where.

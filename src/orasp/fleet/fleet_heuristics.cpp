@@ -35,9 +35,9 @@ class Forest {
     for (ConnectionIndex c = 0; c < fleet.num_connections(); ++c) {
       const auto [a, b] = problem.ends(c);
       if (root(a) == root(b)) {
-        throw InputError(std::string(method) +
-                         " plans for products whose connections form no cycle, and connection \"" +
-                         problem.connection_id(c) + "\" closes one; use fleet-search");
+        throw Refusal(method,
+                      "plans for products whose connections form no cycle, and connection \"" +
+                          problem.connection_id(c) + "\" closes one");
       }
       piece[root(a)] = root(b);
       neighbours_[a].push_back({b, c});
@@ -362,12 +362,11 @@ class Work {
   std::size_t subassemblies_ = 0;  ///< pieces before this step and what is carried off in it
 };
 
-FleetResult run(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget,
-                std::string_view method, bool fast) {
+Result run(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget,
+           std::string_view method, bool fast) {
   const Stopwatch watch;
-  FleetResult result;
+  Result result;
   result.method = method;
-  result.objective = options.objective;
   Work work(fleet, method, fast);
   bool stuck = false;
   while (!work.done() && !stuck) {
@@ -399,9 +398,8 @@ FleetResult run(const FleetProblem& fleet, const FleetOptions& options, const Bu
     return result;
   }
   result.status = Status::Feasible;
-  result.plan = std::move(work.plan());
-  result.reward = options.objective == FleetObjective::Makespan ? -static_cast<double>(steps)
-                                                                : -result.plan.travel();
+  result.fleet_plan = std::move(work.plan());
+  result.reward = fleet.reward(result.fleet_plan);
   result.notes.push_back("T = " + std::to_string(steps + 1) +
                          " states, as the published heuristics count: the start is one");
   return result;
@@ -409,13 +407,20 @@ FleetResult run(const FleetProblem& fleet, const FleetOptions& options, const Bu
 
 }  // namespace
 
-FleetResult fleet_fast(const FleetProblem& fleet, const FleetOptions& options,
-                       const Budget& budget) {
+std::optional<std::string> fleet_heuristics_obstacle(const FleetProblem& fleet) {
+  try {
+    static_cast<void>(Forest(fleet, ""));
+    return std::nullopt;
+  } catch (const Refusal& refusal) {
+    return refusal.reason();
+  }
+}
+
+Result fleet_fast(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
   return run(fleet, options, budget, "fast", true);
 }
 
-FleetResult fleet_greedy(const FleetProblem& fleet, const FleetOptions& options,
-                         const Budget& budget) {
+Result fleet_greedy(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
   return run(fleet, options, budget, "greedy", false);
 }
 

@@ -1,10 +1,17 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_result.h"
 #include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
+
+/// Why the heuristics below do not take the product: its connections have a cycle. Empty where they
+/// take it.
+[[nodiscard]] std::optional<std::string> fleet_heuristics_obstacle(const FleetProblem& fleet);
 
 /// The two heuristics that were published beside the integer program, for products whose pieces are
 /// trees.
@@ -29,10 +36,10 @@ namespace orasp {
 ///             breaks. Unknown too where it needs more than FleetOptions::steps. No bound.
 /// Cost.       O(steps * parts * robots). Any size.
 /// Repeatable. Ties by position in the file; no randomness.
-/// @throws InputError where the connections of the product have a cycle.
-[[nodiscard]] FleetResult fleet_fast(const FleetProblem& fleet, const FleetOptions& options,
-                                     const Budget& budget);
-[[nodiscard]] FleetResult fleet_greedy(const FleetProblem& fleet, const FleetOptions& options,
-                                       const Budget& budget);
+/// @throws Refusal where the connections of the product have a cycle.
+[[nodiscard]] Result fleet_fast(const FleetProblem& fleet, const FleetOptions& options,
+                                const Budget& budget);
+[[nodiscard]] Result fleet_greedy(const FleetProblem& fleet, const FleetOptions& options,
+                                  const Budget& budget);
 
 }  // namespace orasp

@@ -122,9 +122,10 @@ class Builder {
                                 (goal_ == Goal::Travel ? joined_.size() * places * places : 0);
     const std::uint64_t columns = state * steps_;
     if (columns <= kFleetMipMaxColumns) return;
-    throw InputError("mip: the integer program of " + std::to_string(steps_) +
-                     " steps would have up to " + std::to_string(columns) + " columns (at most " +
-                     std::to_string(kFleetMipMaxColumns) + "); use fleet-search, or fewer steps");
+    throw Refusal("mip", "needs an integer program of " + std::to_string(steps_) +
+                             " steps with up to " + std::to_string(columns) + " columns (at most " +
+                             std::to_string(kFleetMipMaxColumns) +
+                             "; fewer steps make it smaller)");
   }
 
   void add_remarks() {
@@ -513,16 +514,14 @@ class Run {
   Run(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget)
       : fleet_(fleet), options_(options), budget_(budget) {
     result_.method = "mip";
-    result_.objective = options.objective;
-    result_.seed = options.seed;
   }
 
-  FleetResult run() {
+  Result run() {
     if (const auto reason = fleet_.infeasibility()) return infeasible(*reason);
     solver_ = make_mip_solver();
-    const bool wants_travel = options_.objective == FleetObjective::Travel;
+    const bool wants_travel = fleet_.objective() == FleetObjective::Travel;
     if (joined_parts(fleet_) == 0) {
-      result_.plan.start.assign(fleet_.num_parts(), kDepot);
+      result_.fleet_plan.start.assign(fleet_.num_parts(), kDepot);
       result_.status = Status::Optimal;
       result_.reward = 0;
       result_.bound = 0;
@@ -535,11 +534,11 @@ class Run {
       if (wants_travel && result_.status != Status::Infeasible) forget_bound_of_steps();
       return result_;
     }
-    return travel(result_.plan.makespan());
+    return travel(result_.fleet_plan.makespan());
   }
 
  private:
-  FleetResult infeasible(const std::string& why) {
+  Result infeasible(const std::string& why) {
     result_.status = Status::Infeasible;
     result_.stop = Stop::None;
     result_.bound = -kInfinity;
@@ -579,7 +578,7 @@ class Run {
           evaluation.violations.front().message);
       return false;
     }
-    result_.plan = std::move(plan);
+    result_.fleet_plan = std::move(plan);
     return true;
   }
 
@@ -600,7 +599,7 @@ class Run {
       if (!take(builder, solution)) return;
       // Fewer steps are proved impossible, and the plan has no more.
       result_.status = Status::Optimal;
-      result_.reward = 0.0 - static_cast<double>(result_.plan.makespan());
+      result_.reward = 0.0 - static_cast<double>(result_.fleet_plan.makespan());
       result_.bound = result_.reward;
       return;
     }
@@ -608,7 +607,7 @@ class Run {
                                  : "every order of steps ends where no step can be made");
   }
 
-  FleetResult travel(std::size_t steps) {
+  Result travel(std::size_t steps) {
     result_.steps_allowed = steps;
     Builder builder(fleet_, Goal::Travel, steps);
     const bool has_plan = result_.has_plan();  // of the fewest steps
@@ -621,11 +620,11 @@ class Run {
     if (solution.values.empty() || !take(builder, solution)) {
       if (has_plan) {
         result_.status = Status::Feasible;
-        result_.reward = 0.0 - result_.plan.travel();
+        result_.reward = 0.0 - result_.fleet_plan.travel();
       }
       return result_;
     }
-    result_.reward = 0.0 - result_.plan.travel();
+    result_.reward = 0.0 - result_.fleet_plan.travel();
     if (solution.status == MipSolution::Status::Optimal) {
       result_.status = Status::Optimal;
       result_.bound = result_.reward;
@@ -640,7 +639,7 @@ class Run {
   const FleetOptions& options_;
   const Budget& budget_;
   std::unique_ptr<MipSolver> solver_;
-  FleetResult result_;
+  Result result_;
 };
 
 }  // namespace
@@ -649,15 +648,14 @@ std::size_t fleet_mip_horizon(const FleetProblem& fleet) {
   return std::max<std::size_t>(joined_parts(fleet), 1);
 }
 
-MipModel fleet_mip_model(const FleetProblem& fleet, FleetObjective objective, std::size_t steps) {
-  return Builder(fleet, objective == FleetObjective::Travel ? Goal::Travel : Goal::Makespan, steps)
-      .build();
+MipModel fleet_mip_model(const FleetProblem& fleet, std::size_t steps) {
+  const bool travel = fleet.objective() == FleetObjective::Travel;
+  return Builder(fleet, travel ? Goal::Travel : Goal::Makespan, steps).build();
 }
 
-FleetResult fleet_mip(const FleetProblem& fleet, const FleetOptions& options,
-                      const Budget& budget) {
+Result fleet_mip(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
   const Stopwatch watch;
-  FleetResult result = Run(fleet, options, budget).run();
+  Result result = Run(fleet, options, budget).run();
   result.statistics.seconds = watch.seconds();
   return result;
 }

@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_result.h"
 #include "orasp/mip/mip_model.h"
 #include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 
@@ -37,8 +37,7 @@ inline constexpr std::uint64_t kFleetMipMaxColumns = 500'000;
 /// Beyond it.  Precedence, blocking and the problem's limits, as docs/format.md states them for
 ///             fleets.
 /// @throws InputError where it would be larger than kFleetMipMaxColumns; it says how large.
-[[nodiscard]] MipModel fleet_mip_model(const FleetProblem& fleet, FleetObjective objective,
-                                       std::size_t steps);
+[[nodiscard]] MipModel fleet_mip_model(const FleetProblem& fleet, std::size_t steps);
 
 /// The steps within which a plan of the fewest steps lies, if there is a plan: each of them cuts
 /// something.
@@ -55,7 +54,7 @@ inline constexpr std::uint64_t kFleetMipMaxColumns = 500'000;
 /// Limit.      kFleetMipMaxColumns.
 /// Repeatable. Unless it is stopped. One thread.
 /// @throws InputError above the limit, or where CBC is not there.
-[[nodiscard]] FleetResult fleet_mip(const FleetProblem& fleet, const FleetOptions& options,
-                                    const Budget& budget);
+[[nodiscard]] Result fleet_mip(const FleetProblem& fleet, const FleetOptions& options,
+                               const Budget& budget);
 
 }  // namespace orasp

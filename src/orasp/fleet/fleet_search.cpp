@@ -27,7 +27,7 @@ Statistics sum(const Statistics& a, const Statistics& b) {
   return total;
 }
 
-FleetResult infeasible(FleetResult result, const std::string& why) {
+Result infeasible(Result result, const std::string& why) {
   result.status = Status::Infeasible;
   result.bound = -kInfinity;
   result.notes.push_back("no plan exists: " + why);
@@ -38,17 +38,11 @@ std::string steps_text(std::size_t steps) {
   return std::to_string(steps) + (steps == 1 ? " step" : " steps");
 }
 
-FleetResult search(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
-  FleetResult result;
+Result search(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
+  Result result;
   result.method = "fleet-search";
-  result.objective = options.objective;
-  result.seed = options.seed;
-  if (options.objective == FleetObjective::Travel &&
-      options.steps.value_or(0) > kFleetMaxTravelSteps) {
-    throw InputError("fleet-search: " + std::to_string(*options.steps) +
-                     " steps are too many to find the least travel in (at most " +
-                     std::to_string(kFleetMaxTravelSteps) + ")");
-  }
+  if (const auto reason = fleet_search_obstacle(fleet, options))
+    throw Refusal("fleet-search", *reason);
   FleetExpander expander(fleet);
   if (const auto reason = fleet.infeasibility()) return infeasible(std::move(result), *reason);
 
@@ -71,7 +65,7 @@ FleetResult search(const FleetProblem& fleet, const FleetOptions& options, const
   };
 
   // The fewest steps, as far as they matter.
-  const bool wants_travel = options.objective == FleetObjective::Travel;
+  const bool wants_travel = fleet.objective() == FleetObjective::Travel;
   const std::size_t allowed =
       std::min<std::size_t>(options.steps.value_or(fleet.num_parts()), fleet.num_parts());
   makespan.find_plan(start, kBeamWidth, kFirstClusters);
@@ -105,8 +99,8 @@ FleetResult search(const FleetProblem& fleet, const FleetOptions& options, const
   travel.place_known_plan(start);
   result.status = Status::Feasible;
   if (!wants_travel) {
-    result.plan = travel.plan();
-    result.reward = 0.0 - static_cast<double>(result.plan.makespan());
+    result.fleet_plan = travel.plan();
+    result.reward = 0.0 - static_cast<double>(result.fleet_plan.makespan());
     result.bound = 0.0 - static_cast<double>(lower);
     if (lower == upper) result.status = Status::Optimal;
     return finish(makespan.stop());
@@ -123,8 +117,8 @@ FleetResult search(const FleetProblem& fleet, const FleetOptions& options, const
     travel.run(start, *result.steps_allowed);
     result.bound = 0.0 - travel.lower();
   }
-  result.plan = travel.plan();
-  result.reward = 0.0 - result.plan.travel();
+  result.fleet_plan = travel.plan();
+  result.reward = 0.0 - result.fleet_plan.travel();
   if (result.steps_allowed && travel.stop() == Stop::None) {
     result.status = Status::Optimal;
     result.bound = result.reward;
@@ -134,10 +128,23 @@ FleetResult search(const FleetProblem& fleet, const FleetOptions& options, const
 
 }  // namespace
 
-FleetResult fleet_search(const FleetProblem& fleet, const FleetOptions& options,
-                         const Budget& budget) {
+std::optional<std::string> fleet_search_obstacle(const FleetProblem& fleet,
+                                                 const FleetOptions& options) {
+  if (fleet.num_parts() > kFleetMaxParts) {
+    return "takes at most " + std::to_string(kFleetMaxParts) + " parts; this problem has " +
+           std::to_string(fleet.num_parts());
+  }
+  if (fleet.objective() == FleetObjective::Travel &&
+      options.steps.value_or(0) > kFleetMaxTravelSteps) {
+    return "finds the least travel in at most " + std::to_string(kFleetMaxTravelSteps) +
+           " steps; " + std::to_string(*options.steps) + " are asked for";
+  }
+  return std::nullopt;
+}
+
+Result fleet_search(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
   const Stopwatch watch;
-  FleetResult result = search(fleet, options, budget);
+  Result result = search(fleet, options, budget);
   result.statistics.seconds = watch.seconds();
   return result;
 }

@@ -1,10 +1,18 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_result.h"
 #include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
+
+/// Why fleet_search() does not take the problem: it is above one of the limits below. Empty where
+/// it takes it.
+[[nodiscard]] std::optional<std::string> fleet_search_obstacle(const FleetProblem& fleet,
+                                                               const FleetOptions& options);
 
 /// Plans for several robots in synchronous steps: the fewest steps, or the least travel within
 /// given steps.
@@ -23,8 +31,8 @@ namespace orasp {
 /// Limit.      kFleetMaxParts parts; 255 sites; the least travel in at most kFleetMaxTravelSteps
 ///             steps.
 /// Repeatable. The same plan on every machine, unless a limit of time stops it. No randomness.
-/// @throws InputError above these limits.
-[[nodiscard]] FleetResult fleet_search(const FleetProblem& fleet, const FleetOptions& options,
-                                       const Budget& budget);
+/// @throws Refusal above these limits.
+[[nodiscard]] Result fleet_search(const FleetProblem& fleet, const FleetOptions& options,
+                                  const Budget& budget);
 
 }  // namespace orasp

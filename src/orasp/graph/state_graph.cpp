@@ -672,20 +672,18 @@ bool graph_fits(const TransitionSystem& system, const Budget& budget) {
   return !too_large(system, static_cast<double>(allowed_bytes(budget)), 1);
 }
 
-void require_graph_fits(const TransitionSystem& system, const Budget& budget,
-                        const std::string& method, double other_bytes) {
+std::optional<std::string> graph_obstacle(const TransitionSystem& system, const Budget& budget,
+                                          double other_bytes) {
   const auto allowed = static_cast<double>(allowed_bytes(budget));
   // An estimate by sampling may be off by a factor of two or so; the memory limit stands behind it.
   const auto estimate = too_large(system, allowed, 2);
-  if (!estimate) return;
-  const bool bounded = ConnectionBound(system).known();
+  if (!estimate) return std::nullopt;
   const std::string other =
       other_bytes == 0 ? "" : ", or " + bytes_text(other_bytes) + " for the values of all subsets,";
-  throw InputError(
-      method + " needs the whole state-action graph: " + (estimate->exact ? "" : "about ") +
-      size_text(estimate->states) + " states and " + size_text(estimate->actions) + " actions, " +
-      bytes_text(estimate->bytes) + " of memory" + other + " where " + bytes_text(allowed) +
-      " are allowed; use auto, " + (bounded ? "orasp-search, " : "") + "greedy or random instead");
+  return std::string("needs the whole state-action graph: ") + (estimate->exact ? "" : "about ") +
+         size_text(estimate->states) + " states and " + size_text(estimate->actions) +
+         " actions, " + bytes_text(estimate->bytes) + " of memory" + other + " where " +
+         bytes_text(allowed) + " are allowed";
 }
 
 }  // namespace orasp

@@ -143,11 +143,13 @@ struct GraphEstimate {
 /// Whether H is estimated to fit in allowed_bytes(budget).
 [[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);
 
-/// Throws InputError, before memory is taken, if H is estimated not to fit in allowed_bytes(budget)
-/// (a sampled estimate may exceed it twofold: the limit still ends the build); the sentence gives
-/// the estimate and the methods that do not build H. `method` is the one refused; `other_bytes`, if
-/// not 0, is what a table of all subsets would take, to be named too.
-void require_graph_fits(const TransitionSystem& system, const Budget& budget,
-                        const std::string& method, double other_bytes = 0);
+/// Why a method that builds H does not take the problem, known before memory is taken: H is
+/// estimated not to fit in allowed_bytes(budget) (a sampled estimate may exceed it twofold: the
+/// limit still ends the build). A clause that goes on from the method's name and gives the
+/// estimate; empty where H fits. `other_bytes`, if not 0, is what a table of all subsets would
+/// take, to be named too.
+[[nodiscard]] std::optional<std::string> graph_obstacle(const TransitionSystem& system,
+                                                        const Budget& budget,
+                                                        double other_bytes = 0);
 
 }  // namespace orasp

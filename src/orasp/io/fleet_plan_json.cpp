@@ -27,51 +27,6 @@ using nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "orasp-plan/1";
 
-ordered_json ids(const std::vector<ConnectionIndex>& connections, const Problem& problem) {
-  ordered_json list = ordered_json::array();
-  for (const ConnectionIndex c : connections) list.push_back(problem.connection_id(c));
-  return list;
-}
-
-ordered_json move_json(const FleetMove& move, const Problem& problem) {
-  ordered_json parts = ordered_json::array();
-  for (const PartIndex part : move.parts) parts.push_back(problem.part_id(part));
-  return {{"robots", move.robots},
-          {"parts", std::move(parts)},
-          {"from", FleetProblem::place_name(move.from)},
-          {"to", FleetProblem::place_name(move.to)},
-          {"motion", motion_name(move.motion)},
-          {"distance", number_or_null(move.distance)}};
-}
-
-std::string steps_text(const FleetResult& result, const Problem& problem) {
-  if (result.plan.steps.empty()) return "[]";
-  std::string text = "[";
-  double total = 0;
-  for (std::size_t i = 0; i < result.plan.steps.size(); ++i) {
-    const FleetStep& step = result.plan.steps[i];
-    const double reward = result.objective == FleetObjective::Makespan ? -1.0 : 0.0 - step.distance;
-    total += reward;
-    text += fmt::format("{}\n    {{\"step\": {}, \"connections\": {}, \"moves\": [",
-                        i == 0 ? "" : ",", i + 1, inline_text(ids(step.cut, problem)));
-    for (std::size_t m = 0; m < step.moves.size(); ++m)
-      text += fmt::format("{}\n      {}", m == 0 ? "" : ",",
-                          inline_text(move_json(step.moves[m], problem)));
-    text += fmt::format(
-        "\n    ], \"robots_used\": {}, \"distance\": {}, \"reward\": {}, \"total\": {}}}",
-        step.robots_used, inline_text(number_or_null(step.distance)),
-        inline_text(number_or_null(reward)), inline_text(number_or_null(total)));
-  }
-  return text + "\n  ]";
-}
-
-std::string options_text(const std::map<std::string, std::string>& options) {
-  std::string text = "{";
-  for (const auto& [name, value] : options)
-    text += (text.size() > 1 ? ", " : "") + inline_text(name) + ": " + value;
-  return text + "}";
-}
-
 /// Reads members of one object; `place` is where it stands.
 class Reader {
  public:
@@ -164,51 +119,6 @@ FleetMove read_move(const Reader& reader, const FleetProblem& fleet) {
 
 }  // namespace
 
-std::string fleet_plan_text(const FleetProblem& fleet, const FleetResult& result,
-                            const std::map<std::string, std::string>& options) {
-  const Problem& problem = fleet.problem();
-  const bool has_bound = result.bound && std::isfinite(*result.bound);
-  const bool has_gap = has_bound && result.has_plan();
-  std::vector<ConnectionIndex> sequence = result.plan.sequence();
-
-  std::string text = "{\n  \"format\": " + inline_text(kFormat);
-  const auto put = [&text](std::string_view key, std::string_view value) {
-    text.append(",\n  \"").append(key).append("\": ").append(value);
-  };
-  const auto put_number = [&](std::string_view key, std::optional<double> number) {
-    put(key, inline_text(number ? number_or_null(*number) : ordered_json(nullptr)));
-  };
-  put("problem", inline_text(problem.name()));
-  put("problem_digest", inline_text(problem_digest(problem)));
-  put("method", inline_text(result.method));
-  put("status", inline_text(status_name(result.status)));
-  if (result.stop != Stop::None) put("stopped", inline_text(stop_name(result.stop)));
-  put_number("reward", result.has_plan() ? std::optional(result.reward) : std::nullopt);
-  put_number("bound", has_bound ? result.bound : std::nullopt);
-  put_number("gap",
-             has_gap ? std::optional(std::max(0.0, *result.bound - result.reward)) : std::nullopt);
-  ordered_json summary = {{"objective", objective_name(result.objective)}};
-  if (result.steps_allowed) summary["steps_allowed"] = *result.steps_allowed;
-  summary["makespan"] = result.has_plan() ? ordered_json(result.plan.makespan()) : nullptr;
-  summary["travel"] = result.has_plan() ? number_or_null(result.plan.travel()) : nullptr;
-  put("fleet", inline_text(summary));
-  put("disassembly", inline_text(ids(sequence, problem)));
-  std::ranges::reverse(sequence);
-  put("assembly", inline_text(ids(sequence, problem)));
-  put("steps", steps_text(result, problem));
-  const Statistics& statistics = result.statistics;
-  put("statistics", inline_text({{"states", statistics.states},
-                                 {"expanded", statistics.expanded},
-                                 {"generated", statistics.generated},
-                                 {"pruned", statistics.pruned},
-                                 {"seconds", number_or_null(statistics.seconds)},
-                                 {"peak_bytes", statistics.peak_bytes}}));
-  put("seed", std::to_string(result.seed));
-  put("options", options_text(options));
-  if (!result.notes.empty()) put("notes", inline_text(result.notes));
-  return text + "\n}\n";
-}
-
 bool is_fleet_plan(std::string_view text) {
   const std::size_t first = text.find('{');
   if (first == std::string_view::npos || text.find("\"fleet\"") == std::string_view::npos)
@@ -239,11 +149,9 @@ FleetPlanFile parse_fleet_plan(std::string_view text, const FleetProblem& fleet)
   const Reader summary(root.member("fleet", JsonKind::Object, "an object"), "fleet");
   const std::string_view objective =
       summary.member("objective", JsonKind::String, "an objective").string();
-  if (objective == objective_name(FleetObjective::Travel)) {
-    file.objective = FleetObjective::Travel;
-  } else if (objective != objective_name(FleetObjective::Makespan)) {
-    throw InputError(
-        fmt::format("fleet.objective: {} is neither makespan nor travel", in_quotes(objective)));
+  if (std::ranges::find(kFleetObjectiveTypes, objective) == kFleetObjectiveTypes.end()) {
+    throw InputError(fmt::format("fleet.objective: {} is none of {}", in_quotes(objective),
+                                 fmt::join(kFleetObjectiveTypes, ", ")));
   }
   file.plan.start.assign(fleet.num_parts(), kDepot);
   std::vector<bool> known(fleet.num_parts(), false);

@@ -1,26 +1,15 @@
 #pragma once
 
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_result.h"
 
 namespace orasp {
-
-/// A plan of a fleet as a plan file, format `orasp-plan/1` (docs/format.md, section "Fleet plan"):
-/// for each step the connections cut, what each robot moves from where to where, and the distance.
-/// `options` are the caller's settings that shaped the result, name to value, already JSON texts.
-/// Ends with a newline.
-[[nodiscard]] std::string fleet_plan_text(const FleetProblem& fleet, const FleetResult& result,
-                                          const std::map<std::string, std::string>& options);
 
 /// A plan file of a fleet as read.
 struct FleetPlanFile {
   FleetPlan plan;  ///< each part starts where its first move begins
-  FleetObjective objective = FleetObjective::Makespan;
   std::string problem_digest;
 };
 

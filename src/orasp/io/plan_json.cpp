@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "orasp/explain/plan_order.h"
+#include "orasp/fleet/fleet.h"
 #include "orasp/io/detail/json_document.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
@@ -72,6 +73,45 @@ std::string steps_text(const std::vector<Step>& steps, const std::vector<std::st
       text += R"([], "moved": [])";
     }
     text += "}";
+  }
+  return text + "\n  ]";
+}
+
+ordered_json ids_json(const std::vector<ConnectionIndex>& connections, const Problem& problem) {
+  ordered_json list = ordered_json::array();
+  for (const ConnectionIndex c : connections) list.push_back(problem.connection_id(c));
+  return list;
+}
+
+ordered_json move_json(const FleetMove& move, const Problem& problem) {
+  ordered_json parts = ordered_json::array();
+  for (const PartIndex part : move.parts) parts.push_back(problem.part_id(part));
+  return {{"robots", move.robots},
+          {"parts", std::move(parts)},
+          {"from", FleetProblem::place_name(move.from)},
+          {"to", FleetProblem::place_name(move.to)},
+          {"motion", motion_name(move.motion)},
+          {"distance", number_or_null(move.distance)}};
+}
+
+std::string fleet_steps_text(const FleetPlan& plan, const Problem& problem) {
+  if (plan.steps.empty()) return "[]";
+  const bool travels = problem.objective().type == "fleet_travel";
+  std::string text = "[";
+  double total = 0;
+  for (std::size_t i = 0; i < plan.steps.size(); ++i) {
+    const FleetStep& step = plan.steps[i];
+    const double reward = travels ? 0.0 - step.distance : -1.0;
+    total += reward;
+    text += fmt::format("{}\n    {{\"step\": {}, \"connections\": {}, \"moves\": [",
+                        i == 0 ? "" : ",", i + 1, inline_text(ids_json(step.cut, problem)));
+    for (std::size_t m = 0; m < step.moves.size(); ++m)
+      text += fmt::format("{}\n      {}", m == 0 ? "" : ",",
+                          inline_text(move_json(step.moves[m], problem)));
+    text += fmt::format(
+        "\n    ], \"robots_used\": {}, \"distance\": {}, \"reward\": {}, \"total\": {}}}",
+        step.robots_used, inline_text(number_or_null(step.distance)),
+        inline_text(number_or_null(reward)), inline_text(number_or_null(total)));
   }
   return text + "\n  ]";
 }
@@ -226,40 +266,71 @@ std::vector<std::string> read_lines(std::string_view text) {
   return ids;
 }
 
-}  // namespace
+/// What of a plan file depends on how many robots there are.
+struct PlanBody {
+  double reward = -kInfinity;
+  /// In the order of the problem's direction.
+  std::vector<ConnectionIndex> sequence;
+  std::string steps = "[]";
+  /// The text of `order`; empty: the key is left out.
+  std::string order;
+  /// The text of `fleet`; empty: the key is left out.
+  std::string fleet;
+};
 
-std::string plan_text(const Problem& problem, const Result& result,
-                      const std::map<std::string, std::string>& options,
-                      const Alternatives* alternatives) {
-  return plan_text(TransitionSystem(problem), result, options, alternatives, {});
+PlanBody body_of_one_robot(const Task& task, const Result& result,
+                           const std::vector<std::string>& connection_ids) {
+  PlanBody body;
+  body.sequence = result.sequence;
+  const bool whole = task.whole();
+  if (whole) body.order = "[]";
+  if (!result.has_plan()) return body;
+  const TransitionSystem system(task.problem, task.situation);
+  const Evaluation evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
+  // Where attempts may fail, the reward is an expectation, which no replay gives.
+  body.reward = result.expectation ? result.reward : evaluation.reward;
+  body.steps = steps_text(evaluation.steps, quoted_ids(task.problem.parts()), connection_ids);
+  if (whole) body.order = order_text(plan_order(task.problem, result.sequence));
+  return body;
 }
 
-std::string plan_text(const TransitionSystem& system, const Result& result,
+PlanBody body_of_fleet(const Task& task, const Result& result) {
+  PlanBody body;
+  const FleetPlan& plan = result.fleet_plan;
+  if (result.has_plan()) body.reward = result.reward;
+  body.sequence = plan.sequence();
+  body.steps = fleet_steps_text(plan, task.problem);
+  ordered_json summary = {{"objective", task.problem.objective().type}};
+  if (result.steps_allowed) summary["steps_allowed"] = *result.steps_allowed;
+  summary["makespan"] = result.has_plan() ? ordered_json(plan.makespan()) : nullptr;
+  summary["travel"] = result.has_plan() ? number_or_null(plan.travel()) : nullptr;
+  body.fleet = inline_text(summary);
+  return body;
+}
+
+}  // namespace
+
+std::string plan_text(const Task& task, const Result& result,
                       const std::map<std::string, std::string>& options,
                       const Alternatives* alternatives,
                       const std::map<std::string, std::string>& more) {
-  const Problem& problem = system.problem();
-  const std::vector<std::string> part_ids = quoted_ids(problem.parts());
+  const Problem& problem = task.problem;
   const std::vector<std::string> connection_ids = quoted_ids(problem.connections());
-  Evaluation evaluation;
-  if (result.has_plan())
-    evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
+  const PlanBody body = problem.objective().of_fleet()
+                            ? body_of_fleet(task, result)
+                            : body_of_one_robot(task, result, connection_ids);
 
   // A bound and a reward are sums of the same numbers in another order: what rounding did to them
   // is not a gap.
-  // Where attempts may fail, the reward is an expectation, which no replay gives.
-  const double reward = !result.has_plan()   ? -kInfinity
-                        : result.expectation ? result.reward
-                                             : evaluation.reward;
+  const double reward = body.reward;
   std::optional<double> bound = result.bound;
   if (result.status == Status::Optimal) bound = reward;
   if (bound) bound = std::max(*bound, reward);
   const bool has_gap = bound && result.has_plan();
 
-  const auto& sequence = result.sequence;
-  const std::string forward = id_list(sequence, connection_ids);
+  const std::string forward = id_list(body.sequence, connection_ids);
   const std::string backward =
-      id_list(std::vector(sequence.rbegin(), sequence.rend()), connection_ids);
+      id_list(std::vector(body.sequence.rbegin(), body.sequence.rend()), connection_ids);
   const bool is_assembly = problem.direction() == Direction::Assembly;
 
   std::string text = "{\n  \"format\": " + inline_text(kFormat);
@@ -281,13 +352,11 @@ std::string plan_text(const TransitionSystem& system, const Result& result,
                                  {"error", number_or_null(result.expectation->error)}}));
     put("most_likely", most_likely_text(*result.expectation, connection_ids));
   }
+  if (!body.fleet.empty()) put("fleet", body.fleet);
   put("disassembly", is_assembly ? backward : forward);
   put("assembly", is_assembly ? forward : backward);
-  put("steps", steps_text(evaluation.steps, part_ids, connection_ids));
-  if (system.whole()) {
-    put("order",
-        order_text(result.has_plan() ? plan_order(problem, sequence) : std::vector<OrderedPair>()));
-  }
+  put("steps", body.steps);
+  if (!body.order.empty()) put("order", body.order);
   for (const auto& [name, value] : more) put(name, value);
   if (alternatives != nullptr) {
     if (alternatives->optimal_sequences)

@@ -7,25 +7,21 @@
 
 #include "orasp/explain/alternatives.h"
 #include "orasp/model/problem.h"
-#include "orasp/model/transition_system.h"
 #include "orasp/task/result.h"
+#include "orasp/task/task.h"
 
 namespace orasp {
 
-/// A result as a plan file, format `orasp-plan/1` (docs/format.md): the steps are replayed from the
-/// sequence by evaluate() of the model, not taken from the planner. `options` are the caller's
-/// settings that shaped the result, name to value, already JSON texts. `order` is what of the
-/// plan's order matters (explain/plan_order.h). `alternatives`: what else is known of the best
-/// plans, if asked for. Ends with a newline.
-[[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
+/// A result as a plan file, format `orasp-plan/1` (docs/format.md), of one robot or of several: the
+/// steps of one robot are replayed from the sequence by evaluate() of the model, not taken from the
+/// method. Where `task` is the whole job of one robot, `order` says what of the order matters
+/// (explain/plan_order.h). `options` are the caller's settings that shaped the result, name to
+/// value, already JSON texts. `alternatives`: what else is known of the best plans, if asked for.
+/// `more`: further members, name to JSON text. Ends with a newline.
+[[nodiscard]] std::string plan_text(const Task& task, const Result& result,
                                     const std::map<std::string, std::string>& options,
-                                    const Alternatives* alternatives = nullptr);
-/// The same for what is left of the work: the steps still to come, and no `order` unless it is the
-/// whole. `more`: further members, name to JSON text.
-[[nodiscard]] std::string plan_text(const TransitionSystem& system, const Result& result,
-                                    const std::map<std::string, std::string>& options,
-                                    const Alternatives* alternatives,
-                                    const std::map<std::string, std::string>& more);
+                                    const Alternatives* alternatives = nullptr,
+                                    const std::map<std::string, std::string>& more = {});
 
 /// A plan as read: the ids in the order of the problem's direction.
 struct PlanFile {

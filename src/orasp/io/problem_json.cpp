@@ -451,6 +451,7 @@ ProblemSpec read_spec(JsonValue root) {
   });
   members.read("blocking", spec.blocking, read_blocking);
   members.read("limits", spec.limits, read_limits);
+  if (members.find("fleet")) spec.objective = Objective::named("makespan");
   members.read("objective", spec.objective, [](JsonValue value, const Place& place) {
     return read_objective(value, place, 0, nullptr);
   });

@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "orasp/learning/policy.h"
-
 namespace orasp {
 
 /// Shape and training of a value network.
@@ -64,6 +64,8 @@ class Network {
 /// Whether the module is there. It is looked for beside the program, in the folder above, in
 /// ../lib/orasp and where this library was to be installed.
 [[nodiscard]] bool network_available();
+/// Why the method dqn cannot train here, a clause that goes on from its name; empty where it can.
+[[nodiscard]] std::optional<std::string> network_obstacle();
 
 /// @throws InputError if the module is missing or cannot be loaded, with how to get it; or for an
 /// unknown or missing device.

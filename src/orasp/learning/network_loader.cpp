@@ -13,8 +13,9 @@ namespace {
 constexpr detail::Module kModule = {
     .file = "orasp_torch.so",
     .symbol = "orasp_make_network_1",
+    .method = "dqn",
     .absent =
-        "dqn is not part of this build, which was made without libtorch: install the packages "
+        "is not part of this build, which was made without libtorch: install the packages "
         "libtorch-dev and libopenblas0-pthread and build again",
     .unloadable = "the learning module cannot be loaded",
     .packages = "libtorch-dev and libopenblas0-pthread"};
@@ -29,8 +30,12 @@ Make load() {
 
 }  // namespace
 
+std::optional<std::string> network_obstacle() {
+  return detail::module_obstacle(kModule);
+}
+
 bool network_available() {
-  return detail::module_file(kModule).has_value();
+  return !network_obstacle();
 }
 
 std::unique_ptr<Network> make_network(const NetworkOptions& options) {

@@ -65,13 +65,16 @@ std::size_t PolicyEvaluator::choose(SetView open, std::span<const Action> action
   return static_cast<std::size_t>(std::ranges::max_element(values_) - values_.begin());
 }
 
+std::optional<std::string> policy_obstacle(const TransitionSystem& system, const Policy& policy) {
+  if (policy.num_connections() == system.num_connections()) return std::nullopt;
+  return "was given a policy for " + std::to_string(policy.num_connections()) +
+         " connections, and the problem has " + std::to_string(system.num_connections());
+}
+
 Result follow_policy(const TransitionSystem& system, const Policy& policy,
                      const ConnectionSet& from, const ConnectionSet& forbidden,
                      const Budget& budget) {
-  if (policy.num_connections() != system.num_connections()) {
-    throw InputError("the policy is for " + std::to_string(policy.num_connections()) +
-                     " connections, the problem has " + std::to_string(system.num_connections()));
-  }
+  if (const auto reason = policy_obstacle(system, policy)) throw Refusal("dqn", *reason);
   PolicyEvaluator evaluator(policy);
   std::vector<double> values;
   std::vector<std::pair<double, Action>> ranked;

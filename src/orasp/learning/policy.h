@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "orasp/model/tolerance.h"
@@ -90,6 +92,11 @@ class PolicyEvaluator {
   std::vector<double> values_;
 };
 
+/// Why dqn does not plan with this policy: it is for another number of connections. A clause that
+/// goes on from the method's name; empty where it fits.
+[[nodiscard]] std::optional<std::string> policy_obstacle(const TransitionSystem& system,
+                                                         const Policy& policy);
+
 /// The plan that a policy makes: in every state the legal action that it values most. From `from`
 /// (else the start) until only `forbidden` is left, which is never handled.
 ///
@@ -98,7 +105,7 @@ class PolicyEvaluator {
 ///             an upper bound (BoundKind::Best).
 /// Cost.       One pass of the network for each state met; without dead ends one for each
 ///             connection.
-/// @throws InputError if the policy is for another number of connections.
+/// @throws Refusal if the policy is for another number of connections: policy_obstacle().
 [[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
                                    const Budget& budget);
 [[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,

@@ -653,7 +653,7 @@ class Builder {
 };
 
 void require_applicable(const TransitionSystem& system) {
-  if (const auto obstacle = mip_obstacle(system)) throw InputError(*obstacle);
+  if (const auto obstacle = mip_obstacle(system)) throw Refusal("mip", *obstacle);
 }
 
 /// The plan of a solution, judged by the rules.
@@ -689,13 +689,13 @@ void take_plan(const TransitionSystem& system, const Builder& builder, const Mip
 std::optional<std::string> mip_obstacle(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   if (problem.num_connections() > kMipMaxConnections) {
-    return "mip: " + std::to_string(problem.num_connections()) +
-           " connections are too many for the integer program (at most " +
-           std::to_string(kMipMaxConnections) + "); use auto, and-or or beam";
+    return "takes at most " + std::to_string(kMipMaxConnections) +
+           " connections for its integer program; this problem has " +
+           std::to_string(problem.num_connections());
   }
   if (system.ordered())
-    return "mip plans where every open connection may be next, and here some are late or cannot be "
-           "next; use value-iteration or a-star";
+    return "plans where every open connection may be next, and here some are late or cannot be "
+           "next";
   for (const Leaf& leaf : leaves_of(problem.objective())) {
     if (is_indexed(leaf.objective)) continue;
     if (const auto* formula = std::get_if<Expression>(&leaf.objective.parameters);
@@ -704,11 +704,11 @@ std::optional<std::string> mip_obstacle(const TransitionSystem& system) {
     const Problem alone = problem.with_objective(leaf.objective);
     const TransitionSystem rules(alone);
     if (rules.sees_piece_only() && rules.gain_by_sizes()) continue;
-    return "mip takes objectives that see a step's connection and how many parts are in A and B "
+    return "takes objectives that see a step's connection and how many parts are in A and B "
            "(piece_cost, cubesat, "
            "custom, completion, indexed, and others where masses are equal and positions are not "
            "used), and '" +
-           leaf.objective.type + "' sees more in this problem; use value-iteration or a-star";
+           leaf.objective.type + "' sees more in this problem";
   }
   return std::nullopt;
 }

@@ -38,7 +38,7 @@ inline constexpr std::size_t kMipMaxConnections = 32;
 ///             N^2) rows; for lattice (12, 9) see docs/algorithms.md.
 /// Limit.      kMipMaxConnections; objectives whose reward is a connection's own, a function of the
 ///             sizes of A and B, or `indexed`, and sums of such.
-/// @throws InputError with mip_obstacle().
+/// @throws Refusal with mip_obstacle().
 [[nodiscard]] MipModel mip_model(const TransitionSystem& system);
 
 /// Finds an optimal plan by solving that program with CBC (mip/mip_solver.h).
@@ -48,7 +48,7 @@ inline constexpr std::size_t kMipMaxConnections = 32;
 /// Cost.       Branch and cut: fractions of a second up to 8 connections, minutes at 12.
 /// Limit.      As above. The memory limit is that of the model; CBC's own tables are not counted.
 /// Repeatable. Unless it is stopped. One thread.
-/// @throws InputError with mip_obstacle(), or where CBC is not there.
+/// @throws Refusal with mip_obstacle(), or where CBC is not there.
 [[nodiscard]] Result mip(const TransitionSystem& system, const Budget& budget);
 
 }  // namespace orasp

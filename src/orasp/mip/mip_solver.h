@@ -4,12 +4,12 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "orasp/mip/mip_model.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/task/result.h"
-
 namespace orasp {
 
 /// What a solver tells while it works. Values are those of the model's objective, its constant
@@ -71,6 +71,8 @@ class MipSolver {
 /// Whether the module is there. It is looked for beside the program, in the folder above, in
 /// ../lib/orasp and where this library was to be installed.
 [[nodiscard]] bool mip_solver_available();
+/// Why the method mip cannot solve here, a clause that goes on from its name; empty where it can.
+[[nodiscard]] std::optional<std::string> mip_solver_obstacle();
 
 /// @throws InputError if the module is missing or cannot be loaded, with how to get it.
 [[nodiscard]] std::unique_ptr<MipSolver> make_mip_solver();

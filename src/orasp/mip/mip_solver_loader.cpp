@@ -12,10 +12,11 @@ namespace {
 constexpr detail::Module kModule = {
     .file = "orasp_cbc.so",
     .symbol = "orasp_make_mip_solver_1",
+    .method = "mip",
     .absent =
-        "mip cannot solve in this build, which was made without CBC: install the package "
-        "coinor-libcbc-dev and build again, or write the model with --write-model for another "
-        "solver",
+        "cannot solve in this build, which was made without CBC: install the package "
+        "coinor-libcbc-dev and build again, or write the model with --write-model for "
+        "another solver",
     .unloadable = "the module with CBC cannot be loaded",
     .packages = "coinor-libcbc-dev"};
 
@@ -29,8 +30,12 @@ Make load() {
 
 }  // namespace
 
+std::optional<std::string> mip_solver_obstacle() {
+  return detail::module_obstacle(kModule);
+}
+
 bool mip_solver_available() {
-  return detail::module_file(kModule).has_value();
+  return !mip_solver_obstacle();
 }
 
 std::unique_ptr<MipSolver> make_mip_solver() {

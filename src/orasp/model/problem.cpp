@@ -326,6 +326,17 @@ void Problem::check_fleet() const {
     fail("objective.type", in_quotes(spec_.objective.type) +
                                " judges plans of several robots, and the problem has no \"fleet\"");
   }
+  if (!spec_.objective.of_fleet())
+    fail("objective.type", in_quotes(spec_.objective.type) +
+                               " judges plans of one robot, and a problem with \"fleet\" has an "
+                               "objective of several, makespan or fleet_travel; without \"fleet\" "
+                               "it is planned for one");
+  for (std::size_t c = 0; c < spec_.connections.size(); ++c) {
+    if (spec_.connections[c].duration != Connection().duration)
+      fail(element("connections", c) + ".duration",
+           "robots of a fleet work in steps, whose number and travel count; a duration would mean "
+           "nothing, leave it out");
+  }
   const Fleet& fleet = *spec_.fleet;
   if (fleet.robots < 1) fail("fleet.robots", "0 is not allowed; a fleet has at least 1 robot");
   const auto check_point = [](const std::array<double, 2>& point, const std::string& place) {

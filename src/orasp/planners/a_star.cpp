@@ -163,7 +163,8 @@ Result a_star(const TransitionSystem& system, const AStarOptions& options, const
   const Stopwatch watch;
   if (auto result = detail::settled(system, "a-star")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
-  if (!bound->known()) throw detail::no_bound(system, "a-star", options.bound);
+  if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
+    throw Refusal("a-star", *reason);
   Result result;
   result.method = "a-star";
   if (system.words() == 1) {

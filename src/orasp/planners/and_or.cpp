@@ -1043,10 +1043,13 @@ Result planned(const TransitionSystem& system, const AndOrOptions& options, cons
 
 }  // namespace
 
-bool and_or_applies(const TransitionSystem& system) {
-  return system.whole() && system.sees_piece_only() &&
-         system.problem().direction() == Direction::Disassembly &&
-         system.problem().num_parts() <= kAndOrMostParts;
+std::optional<std::string> and_or_obstacle(const TransitionSystem& system) {
+  if (system.whole() && system.sees_piece_only() &&
+      system.problem().direction() == Direction::Disassembly &&
+      system.problem().num_parts() <= kAndOrMostParts)
+    return std::nullopt;
+  return "takes whole problems in disassembly, of at most " + std::to_string(kAndOrMostParts) +
+         " parts, whose objective sees nothing but the piece that is cut";
 }
 
 Result and_or(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
@@ -1057,13 +1060,7 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
     empty.method = "and-or";
     return empty;
   }
-  if (!and_or_applies(system)) {
-    throw InputError(
-        "and-or takes whole problems in disassembly, of at most " +
-        std::to_string(kAndOrMostParts) +
-        " parts, whose objective sees nothing but the piece that is cut; use value-iteration, "
-        "a-star or beam instead");
-  }
+  if (const auto reason = and_or_obstacle(system)) throw Refusal("and-or", *reason);
   const std::size_t words = (system.problem().num_parts() + 63) / 64;
   Result result;
   try {

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
@@ -46,12 +48,12 @@ struct AndOrOptions {
 ///             to 24 of index.
 /// Limit.      Disassembly, at most kAndOrMostParts parts, objectives that see the piece only.
 /// Repeatable. Ties go to the cut listed first.
-/// @throws InputError where the objective or the direction does not allow it: the sentence says
-/// which methods do.
+/// @throws Refusal where the objective or the direction does not allow it: and_or_obstacle().
 [[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,
                             const Budget& budget);
 
-/// Whether and_or takes this problem.
-[[nodiscard]] bool and_or_applies(const TransitionSystem& system);
+/// Why and_or() does not take the problem; empty where it does. A problem that is infeasible at
+/// sight and one without connections are answered all the same.
+[[nodiscard]] std::optional<std::string> and_or_obstacle(const TransitionSystem& system);
 
 }  // namespace orasp

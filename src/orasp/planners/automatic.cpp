@@ -127,7 +127,7 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
                              "the plan earns as much as the bound on its pieces allows");
   }
   // Piece by piece, a short look.
-  const bool by_pieces = and_or_applies(system);
+  const bool by_pieces = !and_or_obstacle(system);
   bool pieces_ended = !by_pieces;
   const auto look_at_pieces = [&](std::uint64_t round) {
     const Result result = and_or(system, {.first_round = 2 * round, .rounds = 2}, budget);

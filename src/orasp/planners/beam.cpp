@@ -349,7 +349,7 @@ Result beam(const TransitionSystem& system, const BeamOptions& options, const Bu
   result.statistics = {};
   Search search(system, options, budget, result);
   if (!search.bounded() && options.bound != BoundKind::Best)
-    throw detail::no_bound(system, "beam", options.bound);
+    throw Refusal("beam", detail::unknown_bound(system, options.bound));
   search.run();
   if (search.done()) {
     if (result.has_plan()) {

@@ -22,7 +22,7 @@ struct BellmanFordOptions {
 /// Cost.       O(actions) a sweep, two sweeps; 12 bytes a state beside H.
 /// Limit.      H must fit in memory.
 /// Repeatable. Ties go to the action generated first; no randomness.
-/// @throws InputError if H is estimated not to fit (require_graph_fits).
+/// @throws InputError if H is estimated not to fit (graph_obstacle).
 [[nodiscard]] Result bellman_ford(const TransitionSystem& system, const BellmanFordOptions& options,
                                   const Budget& budget);
 /// The same on an H that is already there.

@@ -19,7 +19,7 @@ namespace orasp {
 ///             (decrease-key), so that the heap never holds a state twice.
 /// Limit.      H must fit in memory.
 /// Repeatable. Ties go to the state generated first; no randomness.
-/// @throws InputError if H is estimated not to fit (require_graph_fits).
+/// @throws InputError if H is estimated not to fit (graph_obstacle).
 [[nodiscard]] Result dijkstra(const TransitionSystem& system, const Budget& budget);
 /// The same on an H that is already there.
 [[nodiscard]] Result dijkstra(const StateGraph& graph, const Budget& budget);

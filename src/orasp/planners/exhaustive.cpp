@@ -1,21 +1,24 @@
 #include "orasp/planners/exhaustive.h"
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
+std::optional<std::string> exhaustive_obstacle(const TransitionSystem& system) {
+  if (system.num_steps() <= kExhaustiveMaxConnections) return std::nullopt;
+  return "tries every sequence and takes at most " + std::to_string(kExhaustiveMaxConnections) +
+         " connections; this problem has " + std::to_string(system.num_steps());
+}
+
 Result exhaustive(const TransitionSystem& system, const Budget& budget) {
   // Depth first over the tree H~ with nothing but a stack.
   constexpr std::uint64_t kPollEvery = 4096;
   const Stopwatch watch;
-  if (system.num_steps() > kExhaustiveMaxConnections) {
-    throw InputError("exhaustive tries every sequence and takes at most " +
-                     std::to_string(kExhaustiveMaxConnections) + " connections; this problem has " +
-                     std::to_string(system.num_steps()) +
-                     "; use value-iteration, dijkstra, bellman-ford or orasp-search instead");
-  }
+  if (const auto reason = exhaustive_obstacle(system)) throw Refusal("exhaustive", *reason);
   if (auto result = detail::settled(system, "exhaustive")) return *result;
   Result result;
   result.method = "exhaustive";

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <string>
+
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -9,6 +13,9 @@ namespace orasp {
 /// The largest problem that `exhaustive` accepts: 12! = 479,001,600 sequences take a few minutes.
 inline constexpr std::size_t kExhaustiveMaxConnections = 12;
 
+/// Why exhaustive() does not take the problem; empty where it does.
+[[nodiscard]] std::optional<std::string> exhaustive_obstacle(const TransitionSystem& system);
+
 /// Tries every legal sequence: the tree H~, not the graph H. For checking other methods on small
 /// problems.
 ///
@@ -16,7 +23,7 @@ inline constexpr std::size_t kExhaustiveMaxConnections = 12;
 /// Cost.       O(connections!) time, O(connections) memory.
 /// Limit.      kExhaustiveMaxConnections.
 /// Repeatable. Ties go to the lexicographically smallest sequence.
-/// @throws InputError above the limit.
+/// @throws Refusal above the limit: exhaustive_obstacle().
 [[nodiscard]] Result exhaustive(const TransitionSystem& system, const Budget& budget);
 
 }  // namespace orasp

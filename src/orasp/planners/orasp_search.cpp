@@ -187,7 +187,8 @@ Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& op
   const Stopwatch watch;
   if (auto result = detail::settled(system, "orasp-search")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
-  if (!bound->known()) throw detail::no_bound(system, "orasp-search", options.bound);
+  if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
+    throw Refusal("orasp-search", *reason);
   Result result = random_sequence(system, {.seed = options.seed}, budget);
   result.method = "orasp-search";
   if (result.status == Status::Feasible) {

@@ -92,20 +92,21 @@ Result exhausted(std::string_view method, const Statistics& statistics) {
   return result;
 }
 
-InputError no_bound(const TransitionSystem& system, std::string_view method, BoundKind bound) {
-  const std::string name(method);
+std::string unknown_bound(const TransitionSystem& system, BoundKind kind) {
   const std::string& objective = system.problem().objective().type;
-  if (bound == BoundKind::Best) {
-    return InputError(name +
-                      " needs a bound on what a step can earn, and none is known for the objective "
-                      "'" +
-                      objective +
-                      "'; use value-iteration, dijkstra, bellman-ford or exhaustive instead");
+  if (kind == BoundKind::Best) {
+    return "needs a bound on what a step can earn, and none is known for the objective '" +
+           objective + "'";
   }
-  return InputError(name + ": the bound '" +
-                    std::string(kBoundNames[static_cast<std::size_t>(bound)]) +
-                    "' knows nothing about this problem under the objective '" + objective +
-                    "'; use the bound 'best'");
+  return "needs a bound, and '" + std::string(kBoundNames[static_cast<std::size_t>(kind)]) +
+         "' knows nothing about this problem under the objective '" + objective +
+         "' (the bound 'best' takes what is known)";
+}
+
+std::optional<std::string> bound_obstacle(const Bound& bound, const TransitionSystem& system,
+                                          BoundKind kind) {
+  if (bound.known()) return std::nullopt;
+  return unknown_bound(system, kind);
 }
 
 Statistics statistics_of(const StateGraph& graph) {

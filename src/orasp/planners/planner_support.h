@@ -41,21 +41,26 @@ void judge_by(std::optional<double> bound, Result& result);
 /// "no plan exists: ..." for a method that looked at everything.
 [[nodiscard]] Result exhausted(std::string_view method, const Statistics& statistics);
 
-/// What a method that needs a bound says where `bound` knows nothing about the problem.
-[[nodiscard]] InputError no_bound(const TransitionSystem& system, std::string_view method,
-                                  BoundKind bound);
+/// What a method says that needs a bound where `kind` knows nothing about the problem: a clause
+/// that goes on from the method's name.
+[[nodiscard]] std::string unknown_bound(const TransitionSystem& system, BoundKind kind);
+/// The same where `bound`, made of that kind, knows nothing; empty where it is known.
+[[nodiscard]] std::optional<std::string> bound_obstacle(const Bound& bound,
+                                                        const TransitionSystem& system,
+                                                        BoundKind kind);
 
 /// Counters of a method that holds H.
 [[nodiscard]] Statistics statistics_of(const StateGraph& graph);
 
 /// Builds H within the budget and runs `plan(graph)` on it, with the refusals and endings that all
-/// methods on H share. `other_bytes` as in require_graph_fits.
+/// methods on H share. `other_bytes` as in graph_obstacle.
 template <class Plan>
 [[nodiscard]] Result on_graph(const TransitionSystem& system, const Budget& budget,
                               std::string_view method, Plan&& plan, double other_bytes = 0) {
   const Stopwatch watch;
   if (auto result = settled(system, method)) return *result;
-  require_graph_fits(system, budget, std::string(method), other_bytes);
+  if (const auto reason = graph_obstacle(system, budget, other_bytes))
+    throw Refusal(method, *reason);
   const StateGraph graph = StateGraph::build(system, budget);
   Result result = graph.stop() != Stop::None
                       ? stopped(system, method, graph.stop(), statistics_of(graph))

@@ -145,6 +145,14 @@ void require_valid(const ValueIterationOptions& options) {
   if (!(options.epsilon >= 0)) throw InputError("value-iteration: epsilon must be 0 or more");
 }
 
+std::optional<std::string> value_iteration_obstacle(const TransitionSystem& system,
+                                                    const ValueIterationOptions& options,
+                                                    const Budget& budget) {
+  const bool dense = options == ValueIterationOptions{} && dense_values_safe(system);
+  if (dense && dense_table_fits(system, budget)) return std::nullopt;
+  return graph_obstacle(system, budget, dense ? dense_table_bytes(system, budget) : 0);
+}
+
 Result value_iteration(const TransitionSystem& system, const ValueIterationOptions& options,
                        const Budget& budget) {
   require_valid(options);

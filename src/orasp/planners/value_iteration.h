@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "orasp/graph/state_graph.h"
 #include "orasp/task/budget.h"
@@ -26,6 +28,11 @@ struct ValueIterationOptions {
 /// @throws InputError where an option makes no sense.
 void require_valid(const ValueIterationOptions& options);
 
+/// Why value_iteration() does not take the problem: neither H nor the table of all subsets is
+/// estimated to fit. A clause that goes on from the method's name; empty where one of them fits.
+[[nodiscard]] std::optional<std::string> value_iteration_obstacle(
+    const TransitionSystem& system, const ValueIterationOptions& options, const Budget& budget);
+
 /// Finds an optimal plan by graph-based value iteration.
 ///
 /// Problem.    Maximise the sum of rewards from the start to the goal of H.
@@ -45,7 +52,7 @@ void require_valid(const ValueIterationOptions& options);
 /// constrained, since then H holds every subset and the table finds the same plan several times as
 /// fast; and where H does not fit, by the estimate or while it grows, but the table does.
 /// Result::values is then empty; build H and use the second form for values.
-/// @throws InputError if neither is estimated to fit (require_graph_fits).
+/// @throws InputError if neither is estimated to fit (value_iteration_obstacle).
 [[nodiscard]] Result value_iteration(const TransitionSystem& system,
                                      const ValueIterationOptions& options, const Budget& budget);
 /// The same on an H that is already there; Result::values holds V by StateId.

@@ -37,7 +37,7 @@ bool reaches(double reward, double bound) {
   return bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
 }
 
-std::optional<double> bound_of(const FleetResult& best) {
+std::optional<double> bound_of(const Result& best) {
   if (best.status == Status::Optimal) return best.reward;
   if (!best.bound || !std::isfinite(*best.bound)) return std::nullopt;
   return best.has_plan() ? std::max(*best.bound, best.reward) : *best.bound;
@@ -126,19 +126,20 @@ struct Verdict {
   std::string sentence;
 };
 
-Verdict verdict_of(const FleetReport& report, const FleetEvaluation& evaluation, double reward) {
+Verdict verdict_of(const FleetProblem& fleet, const FleetReport& report,
+                   const FleetEvaluation& evaluation, double reward) {
   if (!evaluation.valid)
     return {"not valid", counted(evaluation.violations.size(), "violation") +
                              ": this plan breaks the rules, which are named below."};
   const std::optional<double> bound = bound_of(report.best);
-  const std::string own = amount(report.objective, reward);
-  const std::string_view verb = report.objective == FleetObjective::Makespan ? "takes" : "travels";
+  const std::string own = amount(fleet.objective(), reward);
+  const std::string_view verb = fleet.objective() == FleetObjective::Makespan ? "takes" : "travels";
   if (bound && reaches(reward, *bound))
     return {"optimal", fmt::format("Proved optimal: no plan {} less than {}.", verb, own)};
   if (bound)
     return {"feasible",
             fmt::format("Not proved optimal: this plan {} {}, and none {} less than {}.", verb, own,
-                        verb, amount(report.objective, *bound))};
+                        verb, amount(fleet.objective(), *bound))};
   return {"feasible", "Not proved optimal, and no bound is known."};
 }
 
@@ -161,7 +162,7 @@ ordered_json plan_json(const FleetProblem& fleet, const FleetReport& report,
   }
 
   const auto reward_of = [&](const FleetStep& step) {
-    return report.objective == FleetObjective::Makespan ? -1.0 : 0.0 - step.distance;
+    return fleet.objective() == FleetObjective::Makespan ? -1.0 : 0.0 - step.distance;
   };
   double rest = 0;
   for (const FleetStep& step : plan.steps) rest += reward_of(step);
@@ -206,7 +207,7 @@ ordered_json plan_json(const FleetProblem& fleet, const FleetReport& report,
     steps.push_back(std::move(entry));
   }
 
-  const Verdict verdict = verdict_of(report, evaluation, reward);
+  const Verdict verdict = verdict_of(fleet, report, evaluation, reward);
   const std::optional<double> bound = bound_of(report.best);
   ordered_json gap;
   if (bound && evaluation.valid) gap = reaches(reward, *bound) ? 0.0 : *bound - reward;
@@ -228,25 +229,25 @@ ordered_json plan_json(const FleetProblem& fleet, const FleetReport& report,
           {"steps", std::move(steps)}};
 }
 
-ordered_json best_json(const FleetReport& report) {
-  const FleetResult& best = report.best;
+ordered_json best_json(const FleetProblem& fleet, const FleetReport& report) {
+  const Result& best = report.best;
   const std::optional<double> bound = bound_of(best);
   std::string sentence;
   switch (best.status) {
     case Status::Optimal:
       sentence =
-          report.objective == FleetObjective::Makespan
-              ? fmt::format("The fewest steps are {}, proved.", best.plan.makespan())
+          fleet.objective() == FleetObjective::Makespan
+              ? fmt::format("The fewest steps are {}, proved.", best.fleet_plan.makespan())
               : fmt::format("The least travel is {}, proved{}.",
-                            amount(report.objective, best.reward),
+                            amount(fleet.objective(), best.reward),
                             best.steps_allowed
                                 ? fmt::format(" for {}", counted(*best.steps_allowed, "step"))
                                 : "");
       break;
     case Status::Feasible:
-      sentence = bound
-                     ? fmt::format("No plan is below {}, proved.", amount(report.objective, *bound))
-                     : std::string("No bound is known.");
+      sentence =
+          bound ? fmt::format("No plan is below {}, proved.", amount(fleet.objective(), *bound))
+                : std::string("No bound is known.");
       break;
     case Status::Infeasible: sentence = "No plan exists, proved."; break;
     case Status::Unknown:
@@ -269,9 +270,9 @@ std::string report_data(const FleetProblem& fleet, const FleetReport& report) {
   const Problem& problem = fleet.problem();
   ordered_json described = detail::report_problem(problem);
   described["objective"] =
-      report.objective == FleetObjective::Makespan
+      fleet.objective() == FleetObjective::Makespan
           ? ordered_json({"makespan", "as few steps as can be, each costing 1"})
-          : ordered_json({"travel", "the least squared distance of all parts, in m\u00b2"});
+          : ordered_json({"fleet_travel", "the least squared distance of all parts, in m\u00b2"});
   for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
     described["constraints"].push_back(
         {"axis", fmt::format("connections[{}].axis", c),
@@ -291,7 +292,7 @@ std::string report_data(const FleetProblem& fleet, const FleetReport& report) {
        {"title", report.title},
        {"problem", std::move(described)},
        {"fleet", {{"robots", fleet.robots()}, {"places", std::move(places)}}},
-       {"best", best_json(report)},
+       {"best", best_json(fleet, report)},
        {"plans", std::move(plans)},
        {"graph", nullptr},
        {"learning", nullptr},

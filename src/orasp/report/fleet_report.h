@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "orasp/fleet/fleet.h"
-#include "orasp/fleet/fleet_result.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
 
@@ -19,9 +19,8 @@ struct FleetReportPlan {
 /// What a report on a fleet shows beside the problem itself (report/report.h is that of one robot).
 struct FleetReport {
   std::string title;
-  FleetObjective objective = FleetObjective::Makespan;
   std::vector<FleetReportPlan> plans;
-  FleetResult best;    ///< of a planner, for the same objective: what is proved
+  Result best;         ///< of a planner: what is proved
   std::string effort;  ///< what `best` took, in words
 };
 

@@ -8,6 +8,7 @@
 
 #include "orasp/model/connection_set.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/task/fleet_plan.h"
 
 namespace orasp {
 
@@ -84,14 +85,19 @@ struct Expectation {
   std::vector<PolicyState> policy;
 };
 
-/// What a planner answers. A value; the caller owns it.
+/// What a method answers, for one robot or for several. A value; the caller owns it.
 struct Result {
   std::string method;
   Status status = Status::Unknown;
   Stop stop = Stop::None;
-  /// All connections in the order of the problem's direction; empty without a plan.
+  /// A plan of one robot: all connections in the order of the problem's direction. Empty without a
+  /// plan, and where the objective is one of several robots.
   std::vector<ConnectionIndex> sequence;
-  double reward = -kInfinity;   ///< of the sequence
+  /// A plan of several robots; without steps where there is none.
+  FleetPlan fleet_plan;
+  /// The most steps that the least travel was sought within; empty for every other objective.
+  std::optional<std::size_t> steps_allowed;
+  double reward = -kInfinity;   ///< of the plan
   std::optional<double> bound;  ///< proved upper bound on any plan's reward
   Statistics statistics;
   std::uint64_t seed = 1;

@@ -1,0 +1,276 @@
+// The table of methods, in a file of its own: a program that is linked with another `planners()`
+// gets that one, which is how a test gives the command line methods that answer wrongly.
+
+#include <array>
+
+#include "orasp/catalogue.h"
+#include "orasp/fleet/fleet_expander.h"
+#include "orasp/fleet/fleet_heuristics.h"
+#include "orasp/fleet/fleet_mip.h"
+#include "orasp/fleet/fleet_search.h"
+#include "orasp/learning/network.h"
+#include "orasp/learning/q_learning.h"
+#include "orasp/mip/mip.h"
+#include "orasp/mip/mip_solver.h"
+#include "orasp/planners/and_or.h"
+#include "orasp/planners/automatic.h"
+#include "orasp/planners/beam.h"
+#include "orasp/planners/dijkstra.h"
+#include "orasp/planners/exhaustive.h"
+#include "orasp/planners/greedy.h"
+#include "orasp/planners/orasp_search.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/planners/random_sequence.h"
+#include "orasp/planners/uncertain.h"
+
+namespace orasp {
+namespace {
+
+using Reason = std::optional<std::string>;
+
+/// Whether the problem is answered before a method looks at what it needs: no plan exists at sight.
+bool settled_at_sight(const Request& request) {
+  return request.system != nullptr && request.system->infeasibility().has_value();
+}
+
+Reason graph_needed(const Request& request) {
+  if (settled_at_sight(request)) return std::nullopt;
+  return graph_obstacle(*request.system, request.budget);
+}
+
+Reason values_needed(const Request& request) {
+  const TransitionSystem& system = *request.system;
+  if (request.task.problem.uncertain() || settled_at_sight(request)) return std::nullopt;
+  return value_iteration_obstacle(system, request.options.value_iteration, request.budget);
+}
+
+Reason bound_needed(const Request& request) {
+  if (settled_at_sight(request)) return std::nullopt;
+  const BoundKind kind = request.options.bound;
+  return detail::bound_obstacle(*make_bound(*request.system, kind), *request.system, kind);
+}
+
+/// Beam goes on without a bound where it was not asked for a certain one.
+Reason bound_asked_for(const Request& request) {
+  return request.options.bound == BoundKind::Best ? std::nullopt : bound_needed(request);
+}
+
+Reason pieces_needed(const Request& request) {
+  if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
+  return and_or_obstacle(*request.system);
+}
+
+Reason program_needed(const Request& request) {
+  if (request.system != nullptr) {
+    if (auto reason = mip_obstacle(*request.system)) return reason;
+  }
+  return mip_solver_obstacle();
+}
+
+Reason sequences_needed(const Request& request) {
+  return exhaustive_obstacle(*request.system);
+}
+
+Reason forest_needed(const Request& request) {
+  return request.fleet == nullptr ? std::nullopt : fleet_heuristics_obstacle(*request.fleet);
+}
+
+Reason fleet_search_needed(const Request& request) {
+  return fleet_search_obstacle(*request.fleet, request.fleet_options());
+}
+
+Reason network_needed(const Request& request) {
+  if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
+  return request.options.policy ? policy_obstacle(*request.system, *request.options.policy)
+                                : network_obstacle();
+}
+
+Result run_automatic(const Request& request) {
+  if (request.system != nullptr) {
+    if (request.task.problem.uncertain())
+      return uncertain_value_iteration(*request.system, request.options.value_iteration,
+                                       request.budget);
+    return automatic(*request.system, request.options.seed, request.budget);
+  }
+  const FleetOptions options = request.fleet_options();
+  const Reason too_large = fleet_search_obstacle(*request.fleet, options);
+  Result result = too_large ? fleet_fast(*request.fleet, options, request.budget)
+                            : fleet_search(*request.fleet, options, request.budget);
+  result.method = "auto";
+  result.notes.insert(result.notes.begin(),
+                      too_large ? "auto: fast, since fleet-search " + *too_large
+                                : "auto: fleet-search, since the problem has a fleet of robots");
+  return result;
+}
+
+Result run_value_iteration(const Request& request) {
+  if (request.task.problem.uncertain())
+    return uncertain_value_iteration(*request.system, request.options.value_iteration,
+                                     request.budget);
+  return value_iteration(*request.system, request.options.value_iteration, request.budget);
+}
+
+Result run_dijkstra(const Request& request) {
+  return dijkstra(*request.system, request.budget);
+}
+
+Result run_bellman_ford(const Request& request) {
+  return bellman_ford(*request.system, request.options.bellman_ford, request.budget);
+}
+
+Result run_orasp_search(const Request& request) {
+  return orasp_search(*request.system,
+                      {.seed = request.options.seed, .bound = request.options.bound},
+                      request.budget);
+}
+
+Result run_a_star(const Request& request) {
+  return a_star(*request.system, {.bound = request.options.bound}, request.budget);
+}
+
+Result run_beam(const Request& request) {
+  return beam(*request.system, {.bound = request.options.bound}, request.budget);
+}
+
+Result run_and_or(const Request& request) {
+  return and_or(*request.system, {}, request.budget);
+}
+
+Result run_mip(const Request& request) {
+  return request.fleet != nullptr
+             ? fleet_mip(*request.fleet, request.fleet_options(), request.budget)
+             : mip(*request.system, request.budget);
+}
+
+Result run_exhaustive(const Request& request) {
+  return exhaustive(*request.system, request.budget);
+}
+
+Result run_greedy(const Request& request) {
+  return request.fleet != nullptr
+             ? fleet_greedy(*request.fleet, request.fleet_options(), request.budget)
+             : greedy(*request.system, request.budget);
+}
+
+Result run_random(const Request& request) {
+  return random_sequence(*request.system, {.seed = request.options.seed}, request.budget);
+}
+
+Result run_q_learning(const Request& request) {
+  return q_learning(*request.system, {.seed = request.options.seed, .bound = request.options.bound},
+                    request.budget);
+}
+
+Result run_dqn(const Request& request) {
+  const Options& options = request.options;
+  if (options.policy) return follow_policy(*request.system, *options.policy, request.budget);
+  DqnOptions chosen = options.dqn;
+  chosen.seed = options.seed;
+  return dqn(*request.system, chosen, request.budget);
+}
+
+Result search_fleet(const Request& request) {
+  return fleet_search(*request.fleet, request.fleet_options(), request.budget);
+}
+
+Result run_fast(const Request& request) {
+  return fleet_fast(*request.fleet, request.fleet_options(), request.budget);
+}
+
+constexpr std::array kPlanners = {
+    Planner{.name = "auto",
+            .summary = "chooses a method by the size of the problem and says which",
+            .role = Role::Chooser,
+            .fleets = true,
+            .uncertain = true,
+            .run = run_automatic},
+    Planner{.name = "value-iteration",
+            .summary = "the paper's graph-based value iteration on H",
+            .exact = true,
+            .uncertain = true,
+            .obstacle = values_needed,
+            .run = run_value_iteration},
+    Planner{.name = "dijkstra",
+            .summary = "shortest path on H",
+            .exact = true,
+            .obstacle = graph_needed,
+            .run = run_dijkstra},
+    Planner{.name = "bellman-ford",
+            .summary = "best reward from the start to every state of H",
+            .exact = true,
+            .obstacle = graph_needed,
+            .run = run_bellman_ford},
+    Planner{.name = "orasp-search",
+            .summary = "the paper's ORASP Search: depth-first branch and bound that generates H as "
+                       "it goes",
+            .exact = true,
+            .obstacle = bound_needed,
+            .run = run_orasp_search},
+    Planner{.name = "a-star",
+            .summary = "best first on H, guided by an upper bound on what is left",
+            .exact = true,
+            .obstacle = bound_needed,
+            .run = run_a_star},
+    Planner{.name = "beam",
+            .summary = "complete anytime beam search: a plan at once, better ones as it goes",
+            .exact = true,
+            .obstacle = bound_asked_for,
+            .run = run_beam},
+    Planner{.name = "and-or",
+            .summary = "piece by piece: AND/OR search over connected sets of parts",
+            .obstacle = pieces_needed,
+            .run = run_and_or},
+    Planner{.name = "mip",
+            .summary = "an integer program, solved by CBC: the baseline (at most 32 connections, "
+                       "or a fleet)",
+            .role = Role::Baseline,
+            .exact = true,
+            .fleets = true,
+            .obstacle = program_needed,
+            .run = run_mip},
+    Planner{.name = "exhaustive",
+            .summary = "every sequence, for checking (at most 12 connections)",
+            .role = Role::Check,
+            .exact = true,
+            .obstacle = sequences_needed,
+            .run = run_exhaustive},
+    Planner{.name = "greedy",
+            .summary = "the best reward at every step; any size, no proof",
+            .fleets = true,
+            .obstacle = forest_needed,
+            .run = run_greedy},
+    Planner{.name = "random", .summary = "a uniformly random legal sequence", .run = run_random},
+    Planner{.name = "q-learning",
+            .summary = "tabular Q-learning from optimistic values; for small problems",
+            .role = Role::Learner,
+            .exact = true,
+            .run = run_q_learning},
+    Planner{.name = "dqn",
+            .summary = "a deep Q-network, trained first unless a policy is given",
+            .role = Role::Learner,
+            .obstacle = network_needed,
+            .run = run_dqn},
+    Planner{
+        .name = "fleet-search",
+        .summary = "several robots: the fewest steps, or the least travel, by search with proof",
+        .exact = true,
+        .one_robot = false,
+        .fleets = true,
+        .obstacle = fleet_search_needed,
+        .run = search_fleet},
+    Planner{.name = "fast",
+            .summary = "several robots: a published heuristic for trees, subassemblies side by "
+                       "side; no proof",
+            .one_robot = false,
+            .fleets = true,
+            .obstacle = forest_needed,
+            .run = run_fast},
+};
+
+}  // namespace
+
+std::span<const Planner> planners() {
+  return kPlanners;
+}
+
+}  // namespace orasp
