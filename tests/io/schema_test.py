@@ -180,6 +180,8 @@ class Problems(unittest.TestCase):
     def test_a_fleet_names_its_own_objectives(self):
         pair = {"format": "orasp-problem/1", "parts": [{"id": "1"}, {"id": "2"}],
                 "connections": [{"parts": ["1", "2"], "axis": "+x"}], "fleet": {"robots": 2, "sites": [[1, 0]]}}
+        self.assertEqual(self.judged(pair), (True, True))
+        self.assertEqual(self.judged(dict(pair, objective={"type": "time"})), (False, False))
         for kind in ["makespan", "fleet_travel"]:
             with self.subTest(kind=kind):
                 self.assertEqual(self.judged(dict(pair, objective={"type": kind})), (True, True))
@@ -199,6 +201,7 @@ class Plans(unittest.TestCase):
         ["solve", "examples/shelf-locked.json"], ["solve", "iss", "--method", "orasp-search", "--bound", "none", "--time-limit", "0.05"],
         ["solve", "lattice", "--method", "q-learning", "--seed", "3"],
         ["solve", "fleet-lattice"], ["solve", "fleet-hubble", "--method", "greedy"],
+        ["solve", "fleet-lattice", "--objective", "fleet_travel", "--steps", "5"],
         ["replan", "lattice", "--removed", "1-2", "--inaccessible", "2-3"],
         ["replan", "hubble", "--removed", "1-2,2-3", "--objective", "time"],
         ["replan", "lattice", "--inaccessible", "1-2,2-3,4-5", "--max-moved-parts", "1"],
