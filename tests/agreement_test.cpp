@@ -289,12 +289,12 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   features.insert(truth.feasible ? "feasible" : "infeasible");
   if (world.start_infeasible()) features.insert("infeasible start");
   if (truth.feasible && truth.dead_ends > 0) features.insert("feasible with dead ends");
-  if (!truth.feasible && !world.start_infeasible() &&
-      !TransitionSystem(Problem(spec)).infeasibility()) {
-    features.insert("infeasible, found by search only");
-  }
   const Problem sized(spec);
   const TransitionSystem sized_system(sized);
+  const auto reason = sized_system.infeasibility();
+  if (!truth.feasible && !world.start_infeasible() && !reason) {
+    features.insert("infeasible, found by search only");
+  }
   if (PieceBound(sized_system, PieceBound::Kind::Sizes).known())
     features.insert("bound from sizes");
   if (PieceBound(sized_system, PieceBound::Kind::Parts).known())
@@ -308,7 +308,6 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
     if (!entry.after_any.empty()) features.insert("after_any");
     if (++entries[entry.connection] > 1) features.insert("several entries on one connection");
   }
-  const auto reason = TransitionSystem(Problem(spec)).infeasibility();
   if (reason && reason->constraint == Constraint::Precedence) features.insert("precedence cycle");
 
   const Limits& limits = spec.limits;

@@ -36,7 +36,7 @@ LAYERS = {
 # Folders that are not for those who use the library, as are those named detail.
 INTERNAL = {"containers"}
 # What every folder may include.
-GROUND = {"orasp/model/error.h", "orasp/model/connection_set.h"}
+GROUND = {"orasp/model/error.h", "orasp/model/index.h", "orasp/model/connection_set.h"}
 # Folders that use the library -> may they include its internal folders?
 USERS = {"cli": False, "benchmarks": False, "examples": False, "tests": True}
 

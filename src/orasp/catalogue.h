@@ -26,14 +26,14 @@ namespace orasp {
 struct Options {
   /// Of every method that draws random numbers.
   std::uint64_t seed = 1;
-  ValueIterationOptions value_iteration;
-  BellmanFordOptions bellman_ford;
+  ValueIterationOptions value_iteration{};
+  BellmanFordOptions bellman_ford{};
   /// The upper bound on what is left that orasp-search, a-star, beam and q-learning use.
   BoundKind bound = BoundKind::Best;
   /// How dqn trains; its seed is `seed`.
-  DqnOptions dqn;
+  DqnOptions dqn{};
   /// What dqn plans with; empty: it trains a policy first.
-  std::shared_ptr<const Policy> policy;
+  std::shared_ptr<const Policy> policy{};
 };
 
 /// What a row of the catalogue is handed: a task, what was derived from it once, options and

@@ -165,7 +165,8 @@ TEST(Alternatives, TellRoundingFromLosses) {
   for (std::size_t i = 0; i < 5; ++i)
     spec.connections[i].duration = 1e9 / 3 + static_cast<double>(i) * 0.1;
   spec.objective = Objective("time", TimeObjective{.depot = {0, 0, 0}, .speed = 1, .transfer = 0});
-  EXPECT_EQ(find_alternatives(TransitionSystem(Problem(spec)), true, 0, Budget{}).optimal_sequences,
+  const Problem problem(spec);
+  EXPECT_EQ(find_alternatives(TransitionSystem(problem), true, 0, Budget{}).optimal_sequences,
             "120");
 }
 

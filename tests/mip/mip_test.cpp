@@ -69,7 +69,8 @@ TEST(Mip, FindsTheKnownOptimaOfTheSmallScenarios) {
   for (const auto& [name, best] :
        {std::pair{"3piece", 0.7785}, {"4brick", 0.5570}, {"4piece", 0.5570}, {"2x3", 0.3636}}) {
     SCOPED_TRACE(name);
-    const Result result = mip(TransitionSystem(load_scenario(name)), {});
+    const Problem problem = load_scenario(name);
+    const Result result = mip(TransitionSystem(problem), {});
     EXPECT_EQ(status_name(result.status), "optimal");
     EXPECT_NEAR(result.reward, best, 1e-9);
     EXPECT_EQ(result.bound, result.reward);

@@ -531,9 +531,11 @@ TEST(Violations, NameThePlaceAndTheConnectionsInTheWay) {
 TEST(Infeasibility, SeesCyclesThroughAfterAny) {
   ProblemSpec spec = instances::greedy_trap();
   spec.precedence = {{"1-2", {}, {"2-3", "3-4"}}, {"2-3", {"1-2"}, {}}, {"3-4", {"1-2"}, {}}};
-  EXPECT_TRUE(TransitionSystem(Problem(spec)).infeasibility().has_value());
+  const Problem closed(spec);
+  EXPECT_TRUE(TransitionSystem(closed).infeasibility().has_value());
   spec.precedence.pop_back();  // now 3-4 is free, and so is everything after it
-  EXPECT_FALSE(TransitionSystem(Problem(spec)).infeasibility().has_value());
+  const Problem open(spec);
+  EXPECT_FALSE(TransitionSystem(open).infeasibility().has_value());
 }
 
 // -------------------------------------------------------------------------------------------------

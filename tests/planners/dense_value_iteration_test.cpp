@@ -462,7 +462,8 @@ TEST(ValueIterationMethod, DoesNotAskACallableAboutStatesThatAreNotReached) {
   EXPECT_THROW((void)value_iteration(system, {}, small), InputError);
   EXPECT_FALSE(first_is_there);
   spec.precedence.clear();
-  EXPECT_TRUE(dense_values_safe(TransitionSystem(Problem(spec))));
+  const Problem free_of_precedence(spec);
+  EXPECT_TRUE(dense_values_safe(TransitionSystem(free_of_precedence)));
 }
 
 }  // namespace

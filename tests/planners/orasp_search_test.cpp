@@ -99,7 +99,8 @@ TEST(OraspSearch, TakesACallableWithARange) {
                                  : 0.0;
                     }};
   spec.objective = {"callable", callable};
-  EXPECT_THROW((void)orasp_search(TransitionSystem(Problem(spec)), {}, Budget{}), InputError);
+  const Problem unbounded(spec);
+  EXPECT_THROW((void)orasp_search(TransitionSystem(unbounded), {}, Budget{}), InputError);
   callable.least = -16;
   callable.greatest = 0;
   spec.objective = {"callable", callable};

@@ -52,7 +52,7 @@ class FleetProblem {
   ///         an attempt that may fail, the direction assembly (a plan read backwards assembles).
   explicit FleetProblem(const Problem& problem);
   /// A problem that goes out of scope at once.
-  explicit FleetProblem(Problem&&) = delete;
+  explicit FleetProblem(const Problem&&) = delete;
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] std::size_t num_parts() const { return problem_->num_parts(); }

@@ -56,6 +56,8 @@ class FleetExpander {
  public:
   /// @throws InputError above kFleetMaxParts parts.
   explicit FleetExpander(const FleetProblem& fleet);
+  // A fleet that goes out of scope at once.
+  explicit FleetExpander(const FleetProblem&&) = delete;
 
   [[nodiscard]] const FleetProblem& fleet() const { return *fleet_; }
   /// The subassemblies of the start, by their first part.

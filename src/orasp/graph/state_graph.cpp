@@ -331,7 +331,7 @@ class StateGraphBuilder {
     });
     auto number = static_cast<std::uint64_t>(begin + size);
     const std::uint64_t first_number = number;
-    const auto reached = static_cast<std::uint64_t>(std::ranges::count(table_.span(), 1U));
+    const auto reached = static_cast<std::uint64_t>(std::ranges::count(table_.span(), StateId{1}));
     if (number + reached > kMostStates) {
       stop_ = Stop::MemoryLimit;
       return;

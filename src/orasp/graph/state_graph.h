@@ -17,9 +17,9 @@
 namespace orasp {
 
 /// A state's number in a StateGraph: 0 is the start, then layer by layer.
-using StateId = std::uint32_t;
+using StateId = Index<struct StateKind>;
 /// An action's number in a StateGraph: rows of states in order, each row ascending by connection.
-using ActionId = std::uint64_t;
+using ActionId = Index<struct ActionKind, std::uint64_t>;
 
 /// The consolidated state-action graph H: every state reachable from the start, once, with its
 /// legal actions.
@@ -50,6 +50,8 @@ class StateGraph {
   /// held).
   /// @throws InputError as Expander::legal_actions.
   [[nodiscard]] static StateGraph build(const TransitionSystem& system, const Budget& budget);
+  // A system that goes out of scope at once.
+  static StateGraph build(const TransitionSystem&&, const Budget&) = delete;
 
   enum class Reweighed {
     Done,
@@ -64,6 +66,7 @@ class StateGraph {
   /// stays as it was. Only for a graph that is whole.
   /// @throws InputError as Expander::legal_actions, and leaves the graph as it was.
   [[nodiscard]] Reweighed reweigh(const TransitionSystem& system, const Budget& budget);
+  Reweighed reweigh(const TransitionSystem&&, const Budget&) = delete;
 
   [[nodiscard]] const TransitionSystem& system() const { return *system_; }
   /// Why building ended early; Stop::None if H is whole.

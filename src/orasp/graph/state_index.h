@@ -27,6 +27,8 @@ namespace orasp {
 class StateIndex {
  public:
   explicit StateIndex(const StateGraph& graph);
+  // A graph that goes out of scope at once.
+  explicit StateIndex(const StateGraph&&) = delete;
 
   /// The state in which just `open` is open (as many words as a state of the graph has); nothing if
   /// there is none.

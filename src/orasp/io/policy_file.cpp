@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "orasp/io/detail/json_text.h"
 #include "orasp/io/digest.h"
 #include "orasp/model/error.h"
 

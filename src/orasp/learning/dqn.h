@@ -24,7 +24,7 @@ struct DqnOptions {
   /// 0: 5,000, and 20,000 from 128 connections on.
   std::uint64_t episodes = 0;
   /// Units of each hidden layer; empty: two of max(128, connections).
-  std::vector<std::size_t> hidden;
+  std::vector<std::size_t> hidden{};
   double learning_rate = 1e-3;
   /// Steps that a gradient step learns from; 0: three times the connections.
   std::size_t batch = 0;

@@ -29,6 +29,8 @@ class Environment {
  public:
   /// All episodes stand at the start. The system must outlive it.
   Environment(const TransitionSystem& system, std::size_t episodes);
+  // A system that goes out of scope at once.
+  Environment(const TransitionSystem&&, std::size_t) = delete;
 
   [[nodiscard]] std::size_t size() const { return totals_.size(); }
   [[nodiscard]] std::size_t num_connections() const { return system_.num_connections(); }

@@ -74,6 +74,8 @@ class PolicyEvaluator {
  public:
   /// The policy must outlive it.
   explicit PolicyEvaluator(const Policy& policy);
+  // A policy that goes out of scope at once.
+  explicit PolicyEvaluator(const Policy&&) = delete;
 
   /// The network's outputs in a state, shape [connections]; valid until the next call. O(weights),
   /// less what the open connections and the units at 0 save: about a microsecond at two layers of

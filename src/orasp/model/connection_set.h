@@ -9,12 +9,9 @@
 #include <memory>
 #include <span>
 
-namespace orasp {
+#include "orasp/model/index.h"
 
-/// A connection's position in Problem::connections(), from 0.
-using ConnectionIndex = std::uint32_t;
-/// A part's position in Problem::parts(), from 0.
-using PartIndex = std::uint32_t;
+namespace orasp {
 
 /// The machine words of a set of connections: bit c % 64 of word c / 64 stands for connection c.
 /// Unused high bits are 0. This is the form in which planners' tables hold states; it owns nothing.

@@ -25,7 +25,8 @@ using Vector3 = std::array<double, 3>;
 /// separates; else -operation.
 struct PieceCost {
   double operation = 0;
-  std::map<std::size_t, double> pieces;  ///< cost by number of parts; 0 where a size is not listed
+  std::map<std::size_t, double>
+      pieces{};  ///< cost by number of parts; 0 where a size is not listed
   double completion = 0;
 };
 
@@ -66,17 +67,17 @@ struct CompletionObjective {
 
 /// `expression`: a formula over the variables of FormulaVariables and named constants.
 struct Expression {
-  std::string formula;
-  std::map<std::string, double> constants;
+  std::string formula{};
+  std::map<std::string, double> constants{};
   Vector3 depot{};  ///< for the variable `distance`
-  FormulaCompiler
-      compiler;  ///< set by io (parse_objective); a formula cannot be evaluated without one
+  /// Set by io (parse_objective); a formula cannot be evaluated without one.
+  FormulaCompiler compiler{};
 };
 
 /// Any function of the step. It must be pure and safe to call from several threads at once.
 struct Callable {
   std::string name = "callable";
-  std::function<double(const Step&)> reward;
+  std::function<double(const Step&)> reward{};
   /// Least and greatest reward that one step can earn, if known. ORASP Search needs the greatest.
   double least = -kInfinity;
   double greatest = kInfinity;

@@ -19,56 +19,56 @@ inline constexpr std::size_t kMaxParts = 16'384;
 
 /// A node of the assembly graph.
 struct Part {
-  std::string id;
-  std::string name;
-  double mass = 1;                  ///< kg, 0 or more
-  std::optional<Vector3> position;  ///< m
+  std::string id{};
+  std::string name{};
+  double mass = 1;                    ///< kg, 0 or more
+  std::optional<Vector3> position{};  ///< m
 };
 
 /// What an attempt that fails does beyond costing its reward. Nothing stated: nothing, it is tried
 /// again.
 struct OnFailure {
-  std::vector<std::string> breaks;  ///< ids of connections that come off too; disassembly alone
-  std::optional<double> abort;      ///< the job ends, and the attempt earns this instead
+  std::vector<std::string> breaks{};  ///< ids of connections that come off too; disassembly alone
+  std::optional<double> abort{};      ///< the job ends, and the attempt earns this instead
 
   [[nodiscard]] bool retries() const { return breaks.empty() && !abort; }
 };
 
 /// An edge of the assembly graph, as a problem file states it.
 struct Connection {
-  std::string id;  ///< empty: the two part ids joined by '-'
-  std::array<std::string, 2> parts;
+  std::string id{};  ///< empty: the two part ids joined by '-'
+  std::array<std::string, 2> parts{};
   double duration = 1;  ///< s, 0 or more
   double success = 1;   ///< probability that one attempt succeeds, above 0 and at most 1
-  std::string
-      axis;  ///< fleet problems: how the first part moves off the second, "+x" ... "-z"; else empty
-  OnFailure on_failure;  ///< of an attempt, where success is below 1
+  /// Fleet problems: how the first part moves off the second, "+x" ... "-z"; else empty.
+  std::string axis{};
+  OnFailure on_failure{};  ///< of an attempt, where success is below 1
 };
 
 /// `connection` may be removed only after all of `after`, and at least one of `after_any` (if any
 /// are listed).
 struct Precedence {
-  std::string connection;
-  std::vector<std::string> after;
-  std::vector<std::string> after_any;
+  std::string connection{};
+  std::vector<std::string> after{};
+  std::vector<std::string> after_any{};
 };
 
 /// While both are present, `part` cannot leave `by` along any of `directions`.
 struct Blocked {
-  std::string part;
-  std::string by;
-  std::vector<std::string> directions;
+  std::string part{};
+  std::string by{};
+  std::vector<std::string> directions{};
 };
 
 struct Blocking {
-  std::vector<std::string> directions;  ///< opposite pairs out of +x -x +y -y +z -z
-  std::vector<Blocked> blocked;
+  std::vector<std::string> directions{};  ///< opposite pairs out of +x -x +y -y +z -z
+  std::vector<Blocked> blocked{};
 };
 
 struct Limits {
-  std::optional<std::size_t> max_subassemblies;
-  std::optional<std::size_t> max_moved_parts;
-  std::optional<double> max_moved_mass;  ///< kg
+  std::optional<std::size_t> max_subassemblies{};
+  std::optional<std::size_t> max_moved_parts{};
+  std::optional<double> max_moved_mass{};  ///< kg
 };
 
 /// Robots, depot and sites of a fleet problem (fleet/fleet.h). Kept, written and digested with the
@@ -76,24 +76,24 @@ struct Limits {
 struct Fleet {
   std::size_t robots = 1;
   std::array<double, 2> depot{};
-  std::vector<std::array<double, 2>> sites;
+  std::vector<std::array<double, 2>> sites{};
 };
 
 enum class Direction { Disassembly, Assembly };
 
 /// What a problem file says, not yet checked. Ids are the file's own.
 struct ProblemSpec {
-  std::string name;
-  std::string note;
-  std::string source;
-  std::vector<Part> parts;
-  std::vector<Connection> connections;
-  std::vector<Precedence> precedence;
-  std::optional<Blocking> blocking;
-  Limits limits;
+  std::string name{};
+  std::string note{};
+  std::string source{};
+  std::vector<Part> parts{};
+  std::vector<Connection> connections{};
+  std::vector<Precedence> precedence{};
+  std::optional<Blocking> blocking{};
+  Limits limits{};
   Objective objective = Objective::named("cubesat");
   Direction direction = Direction::Disassembly;
-  std::optional<Fleet> fleet;
+  std::optional<Fleet> fleet{};
 };
 
 /// Six directions as bits; opposite directions are neighbours: 0 +x, 1 -x, 2 +y, 3 -y, 4 +z, 5 -z.
@@ -106,17 +106,17 @@ inline constexpr std::array<const char*, 6> kDirectionNames = {"+x", "-x", "+y",
 /// One clause of precedence over indices: see Precedence. `entry` is its position in
 /// ProblemSpec::precedence.
 struct PrecedenceClause {
-  std::size_t entry;
-  ConnectionIndex connection;
-  std::vector<ConnectionIndex> after;
-  std::vector<ConnectionIndex> after_any;
+  std::size_t entry{};
+  ConnectionIndex connection{};
+  std::vector<ConnectionIndex> after{};
+  std::vector<ConnectionIndex> after_any{};
 };
 
 /// A blocker of a part: `by` stands in the way of `part` along `directions` (closed under
 /// antisymmetry).
 struct Blocker {
-  PartIndex by;
-  DirectionMask directions;
+  PartIndex by{};
+  DirectionMask directions{};
 };
 
 /// An assembly problem. Immutable; the constructor checks everything, so whoever holds one may
@@ -127,7 +127,7 @@ struct Blocker {
 ///     spec.parts = {{.id = "1"}, {.id = "2"}};
 ///     spec.connections = {{.parts = {"1", "2"}}};
 ///     const Problem problem(std::move(spec));       // throws InputError at the first fault
-///     problem.connection_id(0);                     // "1-2"
+///     use(problem.connection_id(0));                // "1-2"
 class Problem {
  public:
   /// @throws InputError with one sentence for the first fault, its place written as in a problem

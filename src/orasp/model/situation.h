@@ -15,14 +15,14 @@ namespace orasp {
 ///     now.inaccessible.insert(problem.find_connection("4-5", "")); // stays for ever
 ///     const TransitionSystem system(problem, now);                 // the problem that is left
 struct Situation {
-  ConnectionSet open;  ///< not handled yet, inaccessible ones among them
+  ConnectionSet open{};  ///< not handled yet, inaccessible ones among them
   /// Never handled from now on; those not open are passed over. The goal is that everything else is
   /// done, and the step that reaches it completes.
-  ConnectionSet inaccessible;
-  ConnectionSet not_next;  ///< cannot be the next step, but may be a later one
+  ConnectionSet inaccessible{};
+  ConnectionSet not_next{};  ///< cannot be the next step, but may be a later one
   /// Handled only in states in which nothing else is legal: connections of a part that arrives
   /// late.
-  ConnectionSet late;
+  ConnectionSet late{};
 
   [[nodiscard]] static Situation whole(std::size_t connections) {
     const ConnectionSet none(connections);

@@ -96,6 +96,9 @@ class TransitionSystem {
   /// @throws InputError as above, and where a set of `situation` is not over the problem's
   /// connections.
   TransitionSystem(const Problem& problem, const Situation& situation);
+  // A problem that goes out of scope at once.
+  explicit TransitionSystem(const Problem&&) = delete;
+  TransitionSystem(const Problem&&, const Situation&) = delete;
   ~TransitionSystem();
   TransitionSystem(const TransitionSystem&) = delete;
   TransitionSystem& operator=(const TransitionSystem&) = delete;
@@ -176,6 +179,8 @@ class TransitionSystem {
 class Expander {
  public:
   explicit Expander(const TransitionSystem& system);
+  // A system that goes out of scope at once.
+  explicit Expander(const TransitionSystem&&) = delete;
   ~Expander();
   Expander(Expander&&) noexcept;
   Expander& operator=(Expander&&) = delete;

@@ -49,6 +49,8 @@ class UncertainGraph {
   /// @throws InputError as Expander::legal_actions.
   [[nodiscard]] static UncertainGraph build(const TransitionSystem& system, const Budget& budget,
                                             const Guide& guide = {});
+  // A system that goes out of scope at once.
+  static UncertainGraph build(const TransitionSystem&&, const Budget&, const Guide& = {}) = delete;
 
   [[nodiscard]] const TransitionSystem& system() const { return *system_; }
   [[nodiscard]] Stop stop() const { return stop_; }

@@ -5,12 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "orasp/model/index.h"
 #include "orasp/model/problem.h"
 
 namespace orasp {
 
 /// Place 0 is the depot, place s is site s, in the order of the problem file.
-using PlaceIndex = std::uint32_t;
+using PlaceIndex = Index<struct PlaceKind>;
 inline constexpr PlaceIndex kDepot = 0;
 
 /// How a part moves in a step: 0 stays, d + 1 goes along direction d of kDirectionNames.

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "orasp/model/index.h"
+
 namespace orasp::detail {
 
 /// A JSON value on one line with spaces after ':' and ',': {"id": "1", "mass": 2.0}. Numbers read
@@ -14,3 +16,16 @@ namespace orasp::detail {
 [[nodiscard]] nlohmann::ordered_json number_or_null(double number);
 
 }  // namespace orasp::detail
+
+/// An index is written and read as the number that it is.
+template <class Kind, class Value>
+struct nlohmann::adl_serializer<orasp::Index<Kind, Value>> {
+  template <class Json>
+  static void to_json(Json& json, orasp::Index<Kind, Value> index) {
+    json = index.value();
+  }
+  template <class Json>
+  static void from_json(const Json& json, orasp::Index<Kind, Value>& index) {
+    index = json.template get<Value>();
+  }
+};
