@@ -15,31 +15,31 @@
 ///     // The same by hand: rules, the state-action graph H, a planner on it.
 ///     const orasp::TransitionSystem system(problem);
 ///     const orasp::StateGraph graph = orasp::StateGraph::build(system, {});
-///     orasp::bellman_ford(graph, {}, {}).values;       // best reward from the start to each state
+///     use(orasp::bellman_ford(graph, {}, {}).values);  // best reward from the start to each state
 ///
 ///     // Step by step: what is legal, what it earns, and why not.
 ///     orasp::Expander expander(system);
 ///     orasp::ConnectionSet state = system.start();
-///     expander.legal_actions(state.view());
-///     expander.violations(state.view(), 3);            // every reason, in words and as data
+///     use(expander.legal_actions(state.view()));
+///     use(expander.violations(state.view(), 3));       // every reason, in words and as data
 ///
 ///     // Why there is no plan: a smallest set of constraints that conflict.
-///     orasp::explain_problem(problem, {}).conflict;
+///     use(orasp::explain_problem(problem, {}).conflict);
 ///
 ///     // Your own objective: any function of the step.
 ///     orasp::Callable mine;
 ///     mine.reward = [](const orasp::Step& step) { return -1.0 * step.after; };
-///     orasp::solve(problem.with_objective({"callable", mine}), "dijkstra");
+///     use(orasp::solve(problem.with_objective({"callable", mine}), "dijkstra"));
 ///
 ///     // Learning: a policy that answers in microseconds from any state. Training needs libtorch,
 ///     // planning does not.
 ///     const orasp::Budget minute = orasp::Budget::with_time_limit(60);
 ///     const orasp::Training training = orasp::train(system, {}, minute);
-///     orasp::follow_policy(system, training.trained.policy, {});
+///     use(orasp::follow_policy(system, training.trained.policy, {}));
 ///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
-///     orasp::solve(lattice, "fleet-search").fleet_plan.steps;
+///     use(orasp::solve(lattice, "fleet-search").fleet_plan.steps);
 ///
 ///     // Figures for a paper, as SVG files: structure, steps, H, growth.
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
