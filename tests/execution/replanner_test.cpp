@@ -51,7 +51,7 @@ class Truth {
     double reward = 0;
     for (const ConnectionIndex c : sequence) {
       const auto legal = allowed(open);
-      const auto found = std::ranges::find(legal, c, &oracle::Facts::connection);
+      const auto found = std::ranges::find(legal, c.value(), &oracle::Facts::connection);
       if (found == legal.end()) return std::nullopt;
       reward += found->reward;
       open[c] = false;

@@ -353,9 +353,8 @@ TEST(Objective, OfAFleetNeedsAFleetAndStandsInNoSum) {
                   "\" judges plans of several robots and cannot stand in a sum");
   }
   for (const std::string_view type : kObjectiveTypes) {
-    if (type != "expression" && type != "sum") {
-      EXPECT_FALSE(Objective::named(type).of_fleet());
-    }
+    if (type == "expression" || type == "sum") continue;
+    EXPECT_FALSE(Objective::named(type).of_fleet());
   }
 }
 

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "orasp/catalogue.h"
+#include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/scenario_generators.h"
@@ -67,7 +68,7 @@ TEST(Report, TotalsRewardsAndPiecesAreThoseOfTheReplay) {
       const Step& step =
           evaluation.steps[problem.direction() == Direction::Assembly ? n - 1 - k : k];
       const Json& written = plan["steps"][k];
-      EXPECT_EQ(written["c"], step.connection);
+      EXPECT_EQ(written["c"], step.connection.value());
       EXPECT_EQ(written["reward"], step.reward);
       EXPECT_EQ(written.contains("moved"), step.separates);
       if (!step.separates) continue;
