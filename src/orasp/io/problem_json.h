@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "orasp/io/objective_json.h"
 #include "orasp/model/problem.h"
 
 namespace orasp {
@@ -29,13 +30,5 @@ namespace orasp {
 /// in layout, notes, spelled-out defaults or the order of constraints have one digest. Of a
 /// `callable` objective only the name counts.
 [[nodiscard]] std::string problem_digest(const Problem& problem);
-
-/// Reads one objective: a JSON object as in a problem file. `place` stands in front of error
-/// messages.
-[[nodiscard]] Objective parse_objective(std::string_view json, const std::string& place);
-
-/// One objective as a JSON object on one line, as in a problem file, defaults left out. Of a
-/// `callable` only its name.
-[[nodiscard]] std::string objective_text(const Objective& objective);
 
 }  // namespace orasp

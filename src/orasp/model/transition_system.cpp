@@ -4,17 +4,17 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
-#include "orasp/model/detail/connectivity.h"
-#include "orasp/model/detail/rules.h"
+#include "orasp/model/detail/step_scratch.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/tolerance.h"
 
 namespace orasp {
 
-using detail::kUnlimited;
+using detail::at_most;
+using detail::Facts;
+using detail::Movement;
 using detail::Side;
 using detail::Term;
 using detail::TermKind;
@@ -23,93 +23,11 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-bool at_most(double value, double limit) {
-  return value <= limit + kRelativeTolerance * std::abs(limit);
-}
-
 bool nearly_equal(double a, double b) {
   return std::abs(a - b) <= kRelativeTolerance * std::max(std::abs(a), std::abs(b));
 }
 
-/// What a step is before its legality and reward are judged. A holds the connection's first part.
-struct Facts {
-  ConnectionIndex connection = 0;
-  bool separates = false;
-  bool completes = false;
-  std::uint32_t a_parts = 0;
-  std::uint32_t b_parts = 0;
-  std::size_t before = 0;
-  std::size_t after = 0;
-  std::size_t subassemblies_apart = 0;   ///< without the connection
-  std::size_t subassemblies_joined = 0;  ///< with it
-};
-
-/// Which side moves, and what it weighs.
-struct Movement {
-  bool a_moves = false;
-  double moved_mass = 0;
-  double kept_mass = 0;
-};
-
 }  // namespace
-
-/// The rules, behind the header.
-struct TransitionSystem::Rules : detail::Rules {
-  using detail::Rules::Rules;
-};
-
-// -------------------------------------------------------------------------------------------------
-
-/// Scratch memory of one thread, and the rules applied to facts.
-struct Expander::Scratch {
-  const Problem& problem;
-  const TransitionSystem::Rules& rules;
-
-  std::vector<Action> actions;
-  std::vector<std::unique_ptr<Formula>> formulas;  ///< by term
-  /// By term, for formulas of sizes alone: values met so far, NaN before; at ((moved + kept)^2 / 4
-  /// + moved) * 2 + completes.
-  mutable std::vector<std::vector<double>> tables;
-  std::vector<std::uint64_t> present_words;  ///< where what is there differs from the open set
-  std::vector<std::uint64_t> present_batch;  ///< the same for several states
-  detail::Connectivity connectivity;
-  Side
-      /// Parts of A and B of the step at hand; set by whoever makes its Facts, if
-      /// rules.needs_sides.
-      a;
-  Side b;
-  std::vector<unsigned char> mark;  ///< by part; all 0 between uses
-  std::vector<PartIndex> fill_a;
-  std::vector<PartIndex> fill_b;
-
-  Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules);
-
-  [[nodiscard]] SetView present(SetView open);
-  [[nodiscard]] std::span<const std::uint64_t> present_of_all(
-      std::span<const std::uint64_t> states);
-  [[nodiscard]] Facts counts(ConnectionIndex c, std::size_t num_open) const;
-  [[nodiscard]] Facts removal_facts(ConnectionIndex c, std::size_t num_open);
-  [[nodiscard]] Facts joining_facts(ConnectionIndex c, std::size_t num_open);
-  [[nodiscard]] Facts flooded_facts(SetView open, ConnectionIndex c);
-
-  [[nodiscard]] double mass(const Side& side) const;
-  [[nodiscard]] Movement movement(const Facts& facts) const;
-  [[nodiscard]] DirectionMask free_directions();
-  [[nodiscard]] bool separation_legal(const Facts& facts);
-  [[nodiscard]] std::optional<double> distance(bool a_moves, const Vector3& depot) const;
-  [[nodiscard]] double reward(const Facts& facts);
-  [[nodiscard]] double counting_reward(const Term& term, const Facts& facts) const;
-  [[nodiscard]] double sized_expression(const Term& term, const Facts& facts) const;
-  [[nodiscard]] double checked(double reward, const Facts& facts) const;
-  [[nodiscard]] double moving_reward(const Term& term, std::size_t index, const Facts& facts,
-                                     const Movement& movement);
-  [[nodiscard]] std::span<const Action> legal_actions(SetView open);
-  [[nodiscard]] std::span<const Action> in_order(SetView open, std::span<Action> legal) const;
-  [[nodiscard]] Step full_step(const Facts& facts) const;
-  [[nodiscard]] bool constraints_met(SetView open, ConnectionIndex c);
-  [[nodiscard]] bool ruled_out_first(SetView open, ConnectionIndex c) const;
-  [[nodiscard]] std::optional<ConnectionIndex> waiting(SetView open, ConnectionIndex c);
-};
 
 Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules)
     : problem(the_problem),
@@ -151,17 +69,6 @@ std::span<const std::uint64_t> Expander::Scratch::present_of_all(
   present_batch.assign(states.begin(), states.end());
   for (std::size_t i = 0; i < present_batch.size(); ++i) present_batch[i] |= kept[i % rules.words];
   return present_batch;
-}
-
-[[gnu::always_inline]] inline Facts Expander::Scratch::counts(ConnectionIndex c,
-                                                              std::size_t num_open) const {
-  Facts facts;
-  facts.connection = c;
-  facts.before = num_open + rules.num_kept;
-  if (rules.assembly) facts.before = problem.num_connections() - facts.before;
-  facts.after = rules.assembly ? facts.before + 1 : facts.before - 1;
-  facts.completes = num_open == 1;
-  return facts;
 }
 
 // Disassembly, after connectivity.analyse(): the piece that holds c falls apart into A and B.
@@ -418,7 +325,7 @@ double Expander::Scratch::moving_reward(const Term& term, std::size_t index, con
   }
 }
 
-inline double Expander::Scratch::reward(const Facts& facts) {
+double Expander::Scratch::reward(const Facts& facts) {
   if (rules.one_counting_term) return counting_reward(rules.terms.front(), facts);
   Movement moved;
   if (rules.needs_movement && facts.separates) moved = movement(facts);
@@ -563,110 +470,6 @@ std::optional<ConnectionIndex> Expander::Scratch::waiting(SetView open, Connecti
   return other;
 }
 
-std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connection) {
-  Scratch& s = *scratch_;
-  const Problem& problem = s.problem;
-  const TransitionSystem::Rules& rules = s.rules;
-  const std::string id = detail::in_quotes(problem.connection_id(connection));
-  std::vector<Violation> found;
-  if (rules.kept.contains(connection)) {
-    found.push_back({Constraint::Inaccessible, "", id + " is inaccessible", {}});
-    return found;
-  }
-  if (!contains(open, connection)) {
-    found.push_back({Constraint::NotOpen,
-                     "",
-                     id + (rules.assembly ? " was made before" : " was removed before"),
-                     {}});
-    return found;
-  }
-  const auto stands_in_the_way = [&](ConnectionIndex other) {
-    const bool missing_or_there = contains(open, other) || rules.kept.contains(other);
-    return other == connection || missing_or_there != rules.assembly;
-  };
-  const auto names = [&](const std::vector<ConnectionIndex>& list) {
-    std::string text;
-    for (const ConnectionIndex c : list)
-      text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.connection_id(c));
-    return text;
-  };
-  for (const PrecedenceClause& clause : problem.precedence()) {
-    if (clause.connection != connection) continue;
-    const std::string where = "precedence[" + std::to_string(clause.entry) + "]";
-    std::vector<ConnectionIndex> after;
-    std::ranges::copy_if(clause.after, std::back_inserter(after), stands_in_the_way);
-    std::ranges::sort(after);
-    if (!after.empty()) {
-      found.push_back({Constraint::Precedence, where,
-                       rules.assembly ? id + " must be made before " + names(after)
-                                      : id + " may be removed only after " + names(after),
-                       after});
-    }
-    if (!clause.after_any.empty() && std::ranges::all_of(clause.after_any, stands_in_the_way)) {
-      std::vector<ConnectionIndex> any = clause.after_any;
-      std::ranges::sort(any);
-      found.push_back({Constraint::PrecedenceAny, where,
-                       rules.assembly
-                           ? id + " must be made before at least one of " + names(any)
-                           : id + " may be removed only after at least one of " + names(any),
-                       any});
-    }
-  }
-  if (s.ruled_out_first(open, connection))
-    found.push_back({Constraint::NotNext, "", id + " cannot be the next step", {}});
-  if (const auto other = s.waiting(open, connection)) {
-    found.push_back({Constraint::Late,
-                     "",
-                     id + " waits for a late part while " +
-                         detail::in_quotes(problem.connection_id(*other)) + " can be handled",
-                     {*other}});
-  }
-  const Facts facts = s.flooded_facts(open, connection);
-  if (!facts.separates) return found;
-  const std::string cut = (rules.assembly ? "making " : "removing ") + id;
-  if (facts.subassemblies_apart > rules.max_subassemblies) {
-    found.push_back({Constraint::MaxSubassemblies,
-                     "limits.max_subassemblies",
-                     (rules.assembly ? cut + " starts from " : cut + " leaves ") +
-                         std::to_string(facts.subassemblies_apart) + " subassemblies; at most " +
-                         std::to_string(rules.max_subassemblies) + " are allowed",
-                     {}});
-  }
-  const std::size_t moved_parts = std::min(facts.a_parts, facts.b_parts);
-  if (moved_parts > rules.max_moved_parts) {
-    found.push_back({Constraint::MaxMovedParts,
-                     "limits.max_moved_parts",
-                     cut + " moves " + std::to_string(moved_parts) + " parts; at most " +
-                         std::to_string(rules.max_moved_parts) + " are allowed",
-                     {}});
-  }
-  const double moved_mass = s.movement(facts).moved_mass;
-  if (!at_most(moved_mass, rules.max_moved_mass)) {
-    found.push_back({Constraint::MaxMovedMass,
-                     "limits.max_moved_mass",
-                     cut + " moves " + detail::number_text(moved_mass) + " kg; at most " +
-                         detail::number_text(rules.max_moved_mass) + " kg are allowed",
-                     {}});
-  }
-  if (rules.blocking && s.free_directions() == 0) {
-    const auto part_list = [&](const Side& side) {
-      std::string text;
-      side.for_each([&](PartIndex part) {
-        text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.part_id(part));
-      });
-      return text;
-    };
-    const Side& few = s.a.parts() <= s.b.parts() ? s.a : s.b;
-    const Side& many = s.a.parts() <= s.b.parts() ? s.b : s.a;
-    found.push_back({Constraint::Blocking,
-                     "blocking",
-                     cut + " is blocked: no direction is free to move " + part_list(few) + " off " +
-                         part_list(many),
-                     {}});
-  }
-  return found;
-}
-
 DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection) {
   Scratch& s = *scratch_;
   if (s.problem.directions() == 0 || !s.flooded_facts(open, connection).separates) return 0;
@@ -681,136 +484,6 @@ DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection
 
 // -------------------------------------------------------------------------------------------------
 // Pieces on their own.
-
-double Expander::own_reward(ConnectionIndex connection) {
-  Facts facts = scratch_->counts(connection, 2);
-  facts.completes = false;
-  return scratch_->reward(facts);
-}
-
-std::optional<double> Expander::cut_gain(std::span<const PartIndex> a, std::span<const PartIndex> b,
-                                         ConnectionIndex connection) {
-  Scratch& s = *scratch_;
-  Facts facts = s.counts(connection, 2);
-  facts.completes = false;
-  const double own = s.reward(facts);
-  facts.separates = true;
-  facts.a_parts = static_cast<std::uint32_t>(a.size());
-  facts.b_parts = static_cast<std::uint32_t>(b.size());
-  s.a = {{a, {}}};
-  s.b = {{b, {}}};
-  // How many subassemblies there are is not the piece's own matter: facts.subassemblies_apart is 0
-  // here.
-  if (s.rules.cuts_checked && !s.separation_legal(facts)) return std::nullopt;
-  return s.reward(facts) - own;
-}
-
-double Expander::greatest_gain(std::size_t moved, std::size_t kept) {
-  Scratch& s = *scratch_;
-  double sum = 0;
-  for (std::size_t i = 0; i < s.rules.terms.size(); ++i) {
-    const Term& term = s.rules.terms[i];
-    if (term.weight == 0) continue;
-    double gain = kInfinity;
-    switch (term.kind) {
-      case TermKind::PieceCost:
-      case TermKind::Completion:
-        gain = term.weight * (size_reward(term, moved, kept, false, false) -
-                              size_reward(term, 0, 0, false, false));
-        break;
-      case TermKind::CubesatZone:
-        gain = std::max(term.weight * size_reward(term, moved, kept, false, false),
-                        term.weight * size_reward(term, moved, kept, false, true));
-        break;
-      case TermKind::Fuel: {
-        const auto& lightest = s.rules.lightest;
-        const auto& heaviest = s.rules.heaviest;
-        gain = term.weight * fuel_reward(term, term.weight > 0 ? lightest[moved] : heaviest[moved]);
-        break;
-      }
-      case TermKind::Time:
-        if (term.counting) {
-          gain = term.weight * (0.0 - term.q);
-        } else if (term.weight > 0) {
-          gain = 0;
-        } else {
-          gain = 0.0 - term.weight * std::max(term.q, 2 * s.rules.farthest[i] / term.p);
-        }
-        break;
-      case TermKind::Travel: {
-        const double most = static_cast<double>(moved) * s.rules.farthest[i] * s.rules.farthest[i];
-        gain = term.weight > 0 ? 0.0 : 0.0 - term.weight * most;
-        break;
-      }
-      case TermKind::Expression: {
-        if (!term.gain_by_sizes) break;
-        FormulaVariables variables;
-        const double own = s.formulas[i]->value(variables);
-        variables.separates = 1;
-        variables.moved_parts = static_cast<double>(moved);
-        variables.kept_parts = static_cast<double>(kept);
-        gain = term.weight * (s.formulas[i]->value(variables) - own);
-        if (!std::isfinite(gain)) gain = kInfinity;
-        break;
-      }
-      case TermKind::Indexed:
-      case TermKind::Callable: break;
-    }
-    sum += gain;
-  }
-  return sum;
-}
-
-double Expander::greatest_gain_of_moving(std::span<const PartIndex> moved) {
-  Scratch& s = *scratch_;
-  s.a = {{moved, {}}};
-  double sum = 0;
-  for (const Term& term : s.rules.terms) {
-    if (term.weight == 0) continue;
-    double gain = kInfinity;
-    switch (term.kind) {
-      case TermKind::Fuel: gain = term.weight * fuel_reward(term, s.mass(s.a)); break;
-      case TermKind::Time:
-        gain = term.weight * time_reward(term, 0, s.distance(true, term.depot));
-        break;
-      case TermKind::Travel: {
-        const double metres = s.distance(true, term.depot).value_or(0);
-        gain = 0.0 - term.weight * static_cast<double>(moved.size()) * metres * metres;
-        break;
-      }
-      default: break;
-    }
-    sum += gain;
-  }
-  return sum;
-}
-
-bool Expander::moving_more_costs_more() const {
-  return std::ranges::all_of(scratch_->rules.terms, [](const Term& term) {
-    return term.weight >= 0 &&
-           (term.kind == TermKind::Fuel || (term.kind == TermKind::Time && term.counting));
-  });
-}
-
-double Expander::completion_surplus(ConnectionIndex connection) {
-  Scratch& s = *scratch_;
-  const auto& ends = s.problem.ends(connection);
-  Facts facts = s.counts(connection, 1);
-  facts.separates = ends[0] != ends[1];
-  if (s.rules.num_kept > 0) {
-    ConnectionSet alone(system_.num_connections());
-    alone.insert(connection);
-    facts = s.flooded_facts(alone.view(), connection);
-  } else if (facts.separates) {
-    facts.a_parts = facts.b_parts = 1;
-    facts.subassemblies_joined = 1;
-    s.a = {{std::span(ends).first(1), {}}};
-    s.b = {{std::span(ends).last(1), {}}};
-  }
-  const double last = s.reward(facts);
-  facts.completes = false;
-  return last - s.reward(facts);
-}
 
 // -------------------------------------------------------------------------------------------------
 
@@ -858,207 +531,6 @@ std::size_t TransitionSystem::subassemblies(SetView present) const {
     if (piece.size() >= 2) ++pieces;
   });
   return pieces;
-}
-
-// Precedence holds `connection` until `other` is gone, which stays.
-Violation TransitionSystem::waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
-                                          std::size_t entry) const {
-  const std::string id = detail::in_quotes(problem_.connection_id(connection));
-  const std::string other_id = detail::in_quotes(problem_.connection_id(other));
-  return {Constraint::Precedence,
-          "precedence[" + std::to_string(entry) + "]",
-          rules_->assembly ? id + " must be made before " + other_id + ", which is made already"
-                           : id + " waits for " + other_id + ", which is inaccessible",
-          {other}};
-}
-
-std::optional<Violation> TransitionSystem::infeasibility() const {
-  const Rules& rules = *rules_;
-  // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and
-  // what it ends with.
-  const ConnectionSet none(num_connections());
-  const ConnectionSet first = present(rules.assembly ? none.view() : start().view());
-  const ConnectionSet last = present(rules.assembly ? start().view() : none.view());
-  const std::size_t start_pieces = subassemblies(first.view());
-  if (num_steps() > 0 && start_pieces > rules.max_subassemblies) {
-    return Violation{Constraint::MaxSubassemblies,
-                     "limits.max_subassemblies",
-                     (rules.whole ? "the whole product is " : "the product as it stands is ") +
-                         std::to_string(start_pieces) + " subassemblies; at most " +
-                         std::to_string(rules.max_subassemblies) + " are allowed",
-                     {}};
-  }
-  // Precedence alone, in disassembly order: remove whatever may go until nothing more may. The
-  // clauses are monotone, so if connections are left, each of them waits for another that stays,
-  // and following these ends in a cycle, or at one that is kept. Every clause is looked at again
-  // only when a connection that it names goes.
-  std::vector<bool> stays(num_connections());
-  for (ConnectionIndex c = 0; c < num_connections(); ++c) stays[c] = first.contains(c);
-  std::vector<std::vector<ConnectionIndex>> waiting(num_connections());
-  for (const PrecedenceClause& clause : problem_.precedence()) {
-    for (const ConnectionIndex c : clause.after) waiting[c].push_back(clause.connection);
-    for (const ConnectionIndex c : clause.after_any) waiting[c].push_back(clause.connection);
-  }
-  std::vector<std::vector<const PrecedenceClause*>> clauses(num_connections());
-  for (const PrecedenceClause& clause : problem_.precedence())
-    clauses[clause.connection].push_back(&clause);
-  /// A connection that `c` waits for and the entry that says so.
-  const auto waits_for =
-      [&](ConnectionIndex c) -> std::optional<std::pair<ConnectionIndex, std::size_t>> {
-    for (const PrecedenceClause* clause : clauses[c]) {
-      for (const ConnectionIndex other : clause->after) {
-        if (stays[other]) return std::pair{other, clause->entry};
-      }
-      if (!clause->after_any.empty() &&
-          std::ranges::all_of(clause->after_any,
-                              [&](ConnectionIndex other) { return stays[other]; })) {
-        return std::pair{clause->after_any.front(), clause->entry};
-      }
-    }
-    return std::nullopt;
-  };
-  std::vector<ConnectionIndex> check(num_connections());
-  std::iota(check.begin(), check.end(), ConnectionIndex{0});
-  std::size_t left = num_steps();
-  while (!check.empty()) {
-    const ConnectionIndex c = check.back();
-    check.pop_back();
-    if (!stays[c] || last.contains(c) || waits_for(c)) continue;
-    stays[c] = false;
-    --left;
-    check.insert(check.end(), waiting[c].begin(), waiting[c].end());
-  }
-  if (left == 0) return std::nullopt;
-  // Walk from the first that is left until a connection comes up again: from there on it is the
-  // cycle. Or until one that is kept comes up.
-  std::vector<std::size_t> met(num_connections(), kUnlimited);
-  std::vector<std::pair<ConnectionIndex, std::size_t>> path;
-  ConnectionIndex c = 0;
-  while (!stays[c] || last.contains(c)) ++c;
-  while (met[c] == kUnlimited) {
-    if (last.contains(c)) return waits_in_vain(path.back().first, c, path.back().second);
-    met[c] = path.size();
-    const auto next = waits_for(c);
-    path.emplace_back(c, next->second);
-    c = next->first;
-  }
-  Violation violation;
-  violation.constraint = Constraint::Precedence;
-  std::string chain;
-  for (std::size_t i = met[c]; i < path.size(); ++i) {
-    const ConnectionIndex next = i + 1 < path.size() ? path[i + 1].first : c;
-    violation.blocking_connections.push_back(path[i].first);
-    chain += (chain.empty() ? "" : ", ") +
-             detail::in_quotes(problem_.connection_id(path[i].first)) + " after " +
-             detail::in_quotes(problem_.connection_id(next)) + " (precedence[" +
-             std::to_string(path[i].second) + "])";
-  }
-  violation.where = "precedence[" + std::to_string(path[met[c]].second) + "]";
-  violation.message = "precedence is a cycle: " + chain;
-  std::ranges::sort(violation.blocking_connections);
-  return violation;
-}
-
-RewardRange TransitionSystem::reward_range(ConnectionIndex connection, std::size_t open,
-                                           bool completes) const {
-  const Rules& rules = *rules_;
-  const double duration = problem_.connections()[connection].duration;
-  RewardRange sum{0, 0};
-  for (std::size_t i = 0; i < rules.terms.size(); ++i) {
-    const Term& term = rules.terms[i];
-    RewardRange range{0, 0};
-    switch (term.kind) {
-      case TermKind::PieceCost: {
-        if (completes) {
-          range = {term.q, term.q};
-          break;
-        }
-        const auto costs =
-            std::span(term.piece_cost).subspan(std::min<std::size_t>(1, term.piece_cost.size()));
-        if (costs.empty()) break;
-        const auto [cheapest, dearest] = std::ranges::minmax(costs);
-        range = {0.0 - term.p - std::max(0.0, 2 * dearest),
-                 0.0 - term.p - std::min(0.0, 2 * cheapest)};
-        break;
-      }
-      case TermKind::CubesatZone:
-        range = completes ? RewardRange{1, 1} : RewardRange{-2 * 0.0967, 0};
-        break;
-      case TermKind::Indexed: {
-        // `before` is at most `open` and what is kept in disassembly, and at most all but one in
-        // assembly; the reward grows with it.
-        const double most =
-            static_cast<double>(rules.assembly ? num_connections() - 1 : open + rules.num_kept);
-        range = {-1, connection < most - 1 ? most - connection : -1.0};
-        break;
-      }
-      case TermKind::Time: {
-        const double transfer = std::max(term.q, 2 * rules.farthest[i] / term.p);
-        range = {0.0 - duration - transfer, 0.0 - duration};
-        break;
-      }
-      case TermKind::Travel: {
-        const double parts = static_cast<double>(problem_.num_parts() / 2);
-        range = {0.0 - parts * rules.farthest[i] * rules.farthest[i], 0};
-        break;
-      }
-      case TermKind::Fuel: range = {0.0 - (2 * term.p + rules.total_mass) * term.q, 0}; break;
-      case TermKind::Completion: {
-        const double always = (completes ? term.r : 0.0) - term.q;
-        range = {always + std::min(0.0, term.p), always + std::max(0.0, term.p)};
-        break;
-      }
-      case TermKind::Expression: range = {-kInfinity, kInfinity}; break;
-      case TermKind::Callable: range = {term.callable->least, term.callable->greatest}; break;
-    }
-    if (term.weight == 0) continue;
-    sum.least += term.weight > 0 ? term.weight * range.least : term.weight * range.greatest;
-    sum.greatest += term.weight > 0 ? term.weight * range.greatest : term.weight * range.least;
-  }
-  return sum;
-}
-
-bool TransitionSystem::sees_piece_only() const {
-  return std::ranges::all_of(rules_->terms, &Term::piece_only);
-}
-
-bool TransitionSystem::gain_by_sizes() const {
-  return std::ranges::all_of(rules_->terms, &Term::gain_by_sizes);
-}
-
-bool TransitionSystem::gain_by_connection() const {
-  return std::ranges::any_of(rules_->terms, &Term::gain_by_connection);
-}
-
-bool TransitionSystem::sees_sizes_only() const {
-  return std::ranges::all_of(rules_->terms,
-                             [](const Term& term) { return detail::sees_sizes_only(term.kind); });
-}
-
-double TransitionSystem::greatest_size_reward(std::size_t a, std::size_t b, bool completes) const {
-  double sum = 0;
-  for (const Term& term : rules_->terms) {
-    const double inside = size_reward(term, a, b, completes, false);
-    const double whole = size_reward(term, a, b, completes, true);
-    sum += std::max(term.weight * inside, term.weight * whole);
-  }
-  return sum;
-}
-
-std::string_view constraint_name(Constraint constraint) {
-  switch (constraint) {
-    case Constraint::Precedence:
-    case Constraint::PrecedenceAny: return "precedence";
-    case Constraint::MaxSubassemblies: return "max_subassemblies";
-    case Constraint::MaxMovedParts: return "max_moved_parts";
-    case Constraint::MaxMovedMass: return "max_moved_mass";
-    case Constraint::Blocking: return "blocking";
-    case Constraint::Inaccessible: return "inaccessible";
-    case Constraint::NotNext: return "not_next";
-    case Constraint::Late: return "late";
-    case Constraint::NotOpen: break;
-  }
-  return "sequence";
 }
 
 }  // namespace orasp
