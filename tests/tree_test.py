@@ -66,6 +66,50 @@ def citation_faults(name, text):
     return faults
 
 
+OBJECTIVES = "src/orasp/model/objectives/"
+# A sum may be walked anywhere, and those of a fleet are worked out by whoever plans for it.
+ASKED_ANYWHERE = {"WeightedSum", "Makespan", "FleetTravel"}
+
+
+def objective_structs():
+    table = read(OBJECTIVES + "objective_table.h")
+    variant = re.search(r"using ObjectiveParameters =\s*std::variant<(.*?)>;", table, re.DOTALL)
+    return [name.strip() for name in variant[1].split(",") if name.strip() not in ASKED_ANYWHERE]
+
+
+def kind_questions(text, structs):
+    """Where code asks which kind of objective it has: that is the kind's own business."""
+    names = "|".join(structs)
+    return [match[0] for match in re.finditer(rf"\b(?:holds_alternative|get_if|get)<(?:const )?(?:{names})\b", text)] + \
+        re.findall(r"\bstd::visit\([^;]*?objective[^;]*?parameters", text, re.DOTALL) + \
+        re.findall(r"objective\w*(?:\(\))?\.type == \"(?!makespan|fleet_travel)\w+\"", text)
+
+
+class Objectives(unittest.TestCase):
+    def test_no_code_outside_of_their_folder_asks_which_it_has(self):
+        structs = objective_structs()
+        self.assertGreater(len(structs), 8)
+        for name, text in texts():
+            if name.startswith(("src/", "cli/")) and name.endswith((".h", ".cpp")) and not name.startswith(OBJECTIVES):
+                with self.subTest(file=name):
+                    self.assertEqual(kind_questions(text, structs), [])
+
+    def test_such_questions_are_found(self):
+        structs = objective_structs()
+        for text in ("if (std::holds_alternative<Fuel>(objective.parameters))", "std::get_if<Callable>(&objective.parameters)",
+                     "std::visit(Overloaded{}, objective.parameters)", 'if (objective.type == "travel")'):
+            self.assertEqual(len(kind_questions(text, structs)), 1, text)
+        self.assertEqual(kind_questions("std::get_if<WeightedSum>(&objective.parameters)", structs), [])
+
+    def test_every_type_has_a_row_in_the_page_of_formats(self):
+        types = re.findall(r'\.type = "(\w+)"', read(OBJECTIVES + "objective_table.h"))
+        page = read("docs/format.md")
+        self.assertGreater(len(types), 12)
+        for name in types:
+            if name != "callable":
+                self.assertIn(f"\n| `{name}` |", page)
+
+
 class Citations(unittest.TestCase):
     def test_no_text_refers_to_what_is_not_in_the_tree(self):
         count = 0

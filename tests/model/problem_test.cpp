@@ -335,6 +335,20 @@ TEST(Objective, NamesTheKnownTypesAndTheNearest) {
             "the objective \"sum\" needs its terms");
 }
 
+TEST(Objective, HasTheTypesOfTheTableInItsOrder) {
+  const std::vector<std::string_view> one_robot(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  EXPECT_EQ(one_robot, (std::vector<std::string_view>{"piece_cost", "cubesat", "cubesat_zone",
+                                                      "custom", "indexed", "time", "travel", "fuel",
+                                                      "completion", "expression", "sum"}));
+  EXPECT_EQ(kFileObjectiveTypes.size(), one_robot.size() + kFleetObjectiveTypes.size());
+  for (const ObjectiveRow& row : kObjectiveRows) {
+    SCOPED_TRACE(row.type);
+    EXPECT_EQ(objective_row(row.type), &row);
+    if (row.needs.empty()) EXPECT_EQ(fault_of_objective(Objective::named(row.type)), "no fault");
+  }
+  EXPECT_EQ(objective_row("cubsat"), nullptr);
+}
+
 TEST(Objective, OfAFleetNeedsAFleetAndStandsInNoSum) {
   for (const std::string_view type : kFleetObjectiveTypes) {
     SCOPED_TRACE(type);

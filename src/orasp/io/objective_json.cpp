@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <initializer_list>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -16,6 +16,7 @@
 #include "orasp/io/detail/objective_members.h"
 #include "orasp/io/formula_parser.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/objectives/objective_kind.h"
 #include "orasp/model/problem.h"
 
 namespace orasp {
@@ -56,18 +57,81 @@ std::map<std::string, double> read_constants(JsonValue value, const Place& place
 Objective read_objective(JsonValue value, const Place& place, std::size_t sums_outside,
                          double* weight);
 
-WeightedSum read_terms(JsonValue value, const Place& place, std::size_t sums_outside) {
-  if (sums_outside >= kMaxSumDepth)
-    fail(place, fmt::format("sums stand in sums more than {} deep", kMaxSumDepth));
-  WeightedSum sum;
-  sum.terms = read_array(
-      value, place, "an array of objectives", [&](JsonValue term, const Place& term_place) {
-        WeightedObjective weighted;
-        weighted.objective = read_objective(term, term_place, sums_outside + 1, &weighted.weight);
-        return weighted;
-      });
-  return sum;
-}
+/// Learns which keys an objective has and which numbers hold where a file states none.
+class KeyList : public ParameterVisitor {
+ public:
+  std::vector<std::string_view> keys;
+  std::map<std::string_view, double> numbers;
+
+  explicit KeyList(const ObjectiveKind& kind) {
+    ObjectiveParameters defaults = kind.defaults();
+    kind.visit_parameters(defaults, *this);
+  }
+
+  void number(std::string_view key, double& value, NumberRange /*allowed*/) override {
+    keys.push_back(key);
+    numbers[key] = value;
+  }
+  void point(std::string_view key, Vector3& /*value*/) override { keys.push_back(key); }
+  void costs_by_size(std::string_view key, std::map<std::size_t, double>& /*costs*/) override {
+    keys.push_back(key);
+  }
+  void constants(std::string_view key, std::map<std::string, double>& /*constants*/) override {
+    keys.push_back(key);
+  }
+  void name(std::string_view key, std::string& /*name*/) override { keys.push_back(key); }
+  void formula(std::string_view key, std::string& /*text*/,
+               FormulaCompiler& /*compiler*/) override {
+    keys.push_back(key);
+  }
+  void terms(std::string_view key, std::vector<WeightedObjective>& /*terms*/) override {
+    keys.push_back(key);
+  }
+};
+
+class JsonReader : public ParameterVisitor {
+ public:
+  JsonReader(const Members& members, const Place& place, std::size_t sums_outside)
+      : members_(members), place_(place), sums_outside_(sums_outside) {}
+
+  void number(std::string_view key, double& value, NumberRange /*allowed*/) override {
+    members_.read(key, value, read_number);
+  }
+  void point(std::string_view key, Vector3& value) override {
+    members_.read(key, value, read_point<3>);
+  }
+  void costs_by_size(std::string_view key, std::map<std::size_t, double>& costs) override {
+    members_.read(key, costs, read_pieces);
+  }
+  void constants(std::string_view key, std::map<std::string, double>& constants) override {
+    members_.read(key, constants, read_constants);
+  }
+  void name(std::string_view key, std::string& name) override {
+    members_.read(key, name, read_string);
+  }
+  void formula(std::string_view key, std::string& text, FormulaCompiler& compiler) override {
+    text = members_.read_required(key, read_string);
+    compiler = compile_formula;
+  }
+  void terms(std::string_view key, std::vector<WeightedObjective>& terms) override {
+    const Place place(place_, key);
+    const JsonValue list = members_.require(key);
+    if (sums_outside_ >= kMaxSumDepth)
+      fail(place, fmt::format("sums stand in sums more than {} deep", kMaxSumDepth));
+    terms = read_array(list, place, "an array of objectives",
+                       [&](JsonValue term, const Place& term_place) {
+                         WeightedObjective weighted;
+                         weighted.objective =
+                             read_objective(term, term_place, sums_outside_ + 1, &weighted.weight);
+                         return weighted;
+                       });
+  }
+
+ private:
+  const Members& members_;
+  const Place& place_;
+  std::size_t sums_outside_;
+};
 
 /// `weight` is where the key "weight" goes, which only a term of a sum has.
 Objective read_objective(JsonValue value, const Place& place, std::size_t sums_outside,
@@ -80,77 +144,71 @@ Objective read_objective(JsonValue value, const Place& place, std::size_t sums_o
   });
   if (!type_value) fail(place, "the key \"type\" is missing");
   const std::string type = read_string(*type_value, Place(place, "type"));
-
-  std::vector<std::string_view> known = {"type"};
-  if (weight != nullptr) known.emplace_back("weight");
-  const auto knows = [&](std::initializer_list<std::string_view> keys) {
-    known.insert(known.end(), keys);
-    return Members(value, place, known);
-  };
-
-  const auto finished = [&](const Members& read, Objective::Parameters parameters) {
-    if (weight != nullptr) read.read("weight", *weight, read_number);
-    return Objective{type, std::move(parameters)};
-  };
-  if (type == "piece_cost") {
-    const Members read = knows({"operation", "pieces", "completion"});
-    PieceCost cost;
-    read.read("operation", cost.operation, read_number);
-    read.read("pieces", cost.pieces, read_pieces);
-    read.read("completion", cost.completion, read_number);
-    return finished(read, std::move(cost));
-  }
-  if (type == "time") {
-    const Members read = knows({"depot", "speed", "transfer"});
-    TimeObjective time;
-    read.read("depot", time.depot, read_point<3>);
-    read.read("speed", time.speed, read_number);
-    read.read("transfer", time.transfer, read_number);
-    return finished(read, time);
-  }
-  if (type == "travel") {
-    const Members read = knows({"depot"});
-    Travel travel;
-    read.read("depot", travel.depot, read_point<3>);
-    return finished(read, travel);
-  }
-  if (type == "fuel") {
-    const Members read = knows({"dry_mass", "delta_v", "isp"});
-    Fuel fuel;
-    read.read("dry_mass", fuel.dry_mass, read_number);
-    read.read("delta_v", fuel.delta_v, read_number);
-    read.read("isp", fuel.isp, read_number);
-    return finished(read, fuel);
-  }
-  if (type == "completion") {
-    const Members read = knows({"join", "step", "bonus"});
-    CompletionObjective completion;
-    read.read("join", completion.join, read_number);
-    read.read("step", completion.step, read_number);
-    read.read("bonus", completion.bonus, read_number);
-    return finished(read, completion);
-  }
-  if (type == "expression") {
-    const Members read = knows({"formula", "constants", "depot"});
-    Expression expression;
-    expression.formula = read.read_required("formula", read_string);
-    read.read("constants", expression.constants, read_constants);
-    read.read("depot", expression.depot, read_point<3>);
-    expression.compiler = compile_formula;
-    return finished(read, std::move(expression));
-  }
-  if (type == "sum") {
-    const Members read = knows({"terms"});
-    return finished(read, read_terms(read.require("terms"), Place(place, "terms"), sums_outside));
-  }
-  std::vector<std::string_view> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
-  types.insert(types.end(), kFleetObjectiveTypes.begin(), kFleetObjectiveTypes.end());
-  if (std::ranges::find(types, type) == types.end()) {
+  const ObjectiveRow* const row = objective_row(type);
+  if (row == nullptr || !row->in_files) {
+    const auto types = std::span<const std::string_view>(kFileObjectiveTypes);
     fail(Place(place, "type"), fmt::format("no objective {}; objectives are {}{}", in_quotes(type),
                                            listed(types), suggestion(type, types)));
   }
-  return finished(knows({}), Objective::named(type).parameters);  // those without parameters
+
+  const ObjectiveKind& kind = row->kind();
+  std::vector<std::string_view> known = {"type"};
+  if (weight != nullptr) known.emplace_back("weight");
+  const KeyList own(kind);
+  known.insert(known.end(), own.keys.begin(), own.keys.end());
+  const Members members(value, place, known);
+  Objective objective{type, kind.defaults()};
+  JsonReader reader(members, place, sums_outside);
+  kind.visit_parameters(objective.parameters, reader);
+  if (weight != nullptr) members.read("weight", *weight, read_number);
+  return objective;
 }
+
+class JsonWriter : public ParameterVisitor {
+ public:
+  JsonWriter(ordered_json& json, Defaults defaults, std::map<std::string_view, double> usual)
+      : json_(json), full_(defaults == Defaults::Written), usual_(std::move(usual)) {}
+
+  void number(std::string_view key, double& value, NumberRange /*allowed*/) override {
+    if (full_ || value != usual_.at(key)) put(key, value + 0.0);
+  }
+  void point(std::string_view key, Vector3& value) override {
+    if (full_ || value != Vector3{}) put(key, numbers(value));
+  }
+  void costs_by_size(std::string_view key, std::map<std::size_t, double>& costs) override {
+    ordered_json by_size = ordered_json::object();
+    for (const auto& [size, value] : costs) {
+      if (value != 0) by_size[std::to_string(size)] = value;
+    }
+    if (full_ || !by_size.empty()) put(key, std::move(by_size));
+  }
+  void constants(std::string_view key, std::map<std::string, double>& constants) override {
+    ordered_json by_name = ordered_json::object();
+    for (const auto& [name, value] : constants) by_name[name] = value + 0.0;
+    if (full_ || !by_name.empty()) put(key, std::move(by_name));
+  }
+  void name(std::string_view key, std::string& name) override { put(key, name); }
+  void formula(std::string_view key, std::string& text, FormulaCompiler& /*compiler*/) override {
+    put(key, text);
+  }
+  void terms(std::string_view key, std::vector<WeightedObjective>& terms) override {
+    ordered_json list = ordered_json::array();
+    for (const WeightedObjective& term : terms) {
+      ordered_json entry = ordered_json::object();
+      if (full_ || term.weight != 1) entry["weight"] = term.weight + 0.0;
+      entry.update(objective_json(term.objective, full_ ? Defaults::Written : Defaults::LeftOut));
+      list.push_back(std::move(entry));
+    }
+    put(key, std::move(list));
+  }
+
+ private:
+  void put(std::string_view key, ordered_json value) { json_[std::string(key)] = std::move(value); }
+
+  ordered_json& json_;
+  bool full_;
+  std::map<std::string_view, double> usual_;
+};
 
 }  // namespace
 
@@ -159,66 +217,27 @@ Objective read_objective(JsonValue value, const Place& place) {
 }
 
 nlohmann::ordered_json objective_json(const Objective& objective, Defaults defaults) {
-  const bool full = defaults == Defaults::Written;
+  const ObjectiveRow* row = objective_row(objective.type);
   ordered_json json = {{"type", objective.type}};
-  const auto put = [&](const char* key, double value, double usual) {
-    if (full || value != usual) json[key] = value + 0.0;
-  };
-  const auto put_depot = [&](const Vector3& depot) {
-    if (full || depot != Vector3{}) json["depot"] = numbers(depot);
-  };
-
-  if (const auto* cost = std::get_if<PieceCost>(&objective.parameters)) {
-    if (!full && objective.type != "piece_cost") return json;
-    json["type"] = "piece_cost";
-    put("operation", cost->operation, PieceCost{}.operation);
-    ordered_json pieces = ordered_json::object();
-    for (const auto& [size, value] : cost->pieces) {
-      if (value != 0) pieces[std::to_string(size)] = value;
-    }
-    if (full || !pieces.empty()) json["pieces"] = std::move(pieces);
-    put("completion", cost->completion, PieceCost{}.completion);
-  } else if (const auto* time = std::get_if<TimeObjective>(&objective.parameters)) {
-    put_depot(time->depot);
-    put("speed", time->speed, TimeObjective{}.speed);
-    put("transfer", time->transfer, TimeObjective{}.transfer);
-  } else if (const auto* travel = std::get_if<Travel>(&objective.parameters)) {
-    put_depot(travel->depot);
-  } else if (const auto* fuel = std::get_if<Fuel>(&objective.parameters)) {
-    put("dry_mass", fuel->dry_mass, Fuel{}.dry_mass);
-    put("delta_v", fuel->delta_v, Fuel{}.delta_v);
-    put("isp", fuel->isp, Fuel{}.isp);
-  } else if (const auto* completion = std::get_if<CompletionObjective>(&objective.parameters)) {
-    put("join", completion->join, CompletionObjective{}.join);
-    put("step", completion->step, CompletionObjective{}.step);
-    put("bonus", completion->bonus, CompletionObjective{}.bonus);
-  } else if (const auto* expression = std::get_if<Expression>(&objective.parameters)) {
-    json["formula"] = expression->formula;
-    ordered_json constants = ordered_json::object();
-    for (const auto& [name, value] : expression->constants) constants[name] = value + 0.0;
-    if (full || !constants.empty()) json["constants"] = std::move(constants);
-    put_depot(expression->depot);
-  } else if (const auto* callable = std::get_if<Callable>(&objective.parameters)) {
-    json["name"] = callable->name;
-  } else if (const auto* sum = std::get_if<WeightedSum>(&objective.parameters)) {
-    ordered_json terms = ordered_json::array();
-    for (const WeightedObjective& term : sum->terms) {
-      ordered_json entry = ordered_json::object();
-      if (full || term.weight != 1) entry["weight"] = term.weight + 0.0;
-      entry.update(objective_json(term.objective, defaults));
-      terms.push_back(std::move(entry));
-    }
-    json["terms"] = std::move(terms);
+  if (row == nullptr || !row->kind().takes(objective.parameters)) return json;
+  if (defaults == Defaults::Written && !row->stated_as.empty()) {
+    row = objective_row(row->stated_as);
+    json["type"] = row->type;
   }
+  const ObjectiveKind& kind = row->kind();
+  JsonWriter writer(json, defaults, KeyList(kind).numbers);
+  ObjectiveParameters parameters = objective.parameters;
+  kind.visit_parameters(parameters, writer);
   return json;
 }
 
-bool holds_callable(const Objective& objective) {
-  if (std::holds_alternative<Callable>(objective.parameters)) return true;
-  const auto* sum = std::get_if<WeightedSum>(&objective.parameters);
-  return sum != nullptr && std::ranges::any_of(sum->terms, [](const WeightedObjective& term) {
-           return holds_callable(term.objective);
-         });
+bool has_text(const Objective& objective) {
+  if (const auto* const sum = std::get_if<WeightedSum>(&objective.parameters)) {
+    return std::ranges::all_of(
+        sum->terms, [](const WeightedObjective& term) { return has_text(term.objective); });
+  }
+  const ObjectiveRow* const row = objective_row(objective.type);
+  return row != nullptr && row->in_files;
 }
 
 }  // namespace detail

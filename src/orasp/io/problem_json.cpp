@@ -408,7 +408,7 @@ Problem read_problem(const std::filesystem::path& file) {
 
 std::string problem_text(const Problem& problem) {
   const ProblemSpec& spec = problem.spec();
-  if (detail::holds_callable(spec.objective)) {
+  if (!detail::has_text(spec.objective)) {
     throw InputError(
         "objective: a callable is code and cannot be written to a file; use \"expression\"");
   }

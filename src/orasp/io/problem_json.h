@@ -10,9 +10,9 @@
 namespace orasp {
 
 /// Reads a problem in the format `orasp-problem/1` (docs/format.md).
-/// @throws InputError with one sentence for the first fault: where JSON is malformed its line and
-/// column; unknown keys, wrong types and missing keys with their place ("connections[3].parts");
-/// then as Problem's constructor.
+/// @throws InputError with one sentence for the first fault: of malformed JSON with its line and
+/// column, then of unknown keys, wrong types and missing keys with their place
+/// ("connections[3].parts"), then as Problem's constructor.
 [[nodiscard]] Problem parse_problem(std::string_view json);
 
 /// Reads a file. @throws InputError naming the file if it cannot be read, is a directory or is

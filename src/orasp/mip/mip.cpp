@@ -35,10 +35,6 @@ std::vector<Leaf> leaves_of(const Objective& objective) {
   return leaves;
 }
 
-bool is_indexed(const Objective& objective) {
-  return std::holds_alternative<Indexed>(objective.parameters);
-}
-
 /// The program of one problem. Steps are those of disassembly, t = 1 to n; after step t the state t
 /// is reached, state 0 is the first. Names count from 1.
 class Builder {
@@ -169,7 +165,7 @@ class Builder {
             ConnectionSet last(problem_.num_connections());
             last.insert(c);
             reward = expander.step(last.view(), c).reward;
-          } else if (is_indexed(leaf.objective)) {
+          } else if (rules.sees_order_only()) {
             reward = expander.step(some_state(c, assembly_ ? t : n_ - t + 1).view(), c).reward;
           } else {
             reward = expander.own_reward(c);
@@ -177,7 +173,7 @@ class Builder {
           own_[c][t] += leaf.weight * reward;
         }
       }
-      if (is_indexed(leaf.objective)) continue;
+      if (rules.sees_order_only()) continue;
       for (std::size_t a = 1; a <= greatest_; ++a) {
         for (std::size_t b = a; a + b <= greatest_; ++b)
           gain_[a][b] += leaf.weight * finite_gain(expander, a, b);
@@ -697,13 +693,9 @@ std::optional<std::string> mip_obstacle(const TransitionSystem& system) {
     return "plans where every open connection may be next, and here some are late or cannot be "
            "next";
   for (const Leaf& leaf : leaves_of(problem.objective())) {
-    if (is_indexed(leaf.objective)) continue;
-    if (const auto* formula = std::get_if<Expression>(&leaf.objective.parameters);
-        formula && !formula->compiler)
-      continue;  // told by whoever evaluates it
     const Problem alone = problem.with_objective(leaf.objective);
     const TransitionSystem rules(alone);
-    if (rules.sees_piece_only() && rules.gain_by_sizes()) continue;
+    if (rules.sees_order_only() || (rules.sees_piece_only() && rules.gain_by_sizes())) continue;
     return "takes objectives that see a step's connection and how many parts are in A and B "
            "(piece_cost, cubesat, "
            "custom, completion, indexed, and others where masses are equal and positions are not "

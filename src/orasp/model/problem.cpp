@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/objectives/objective_kind.h"
 
 namespace orasp {
 namespace {
@@ -115,7 +116,7 @@ Problem::Problem(ProblemSpec spec) : spec_(std::move(spec)) {
   index_blocking();
   check_limits();
   check_objective(spec_.objective, "objective");
-  check_positions(spec_.objective, "objective");
+  kind_of(spec_.objective).check_parts(spec_.objective.parameters, spec_.parts, "objective");
   check_fleet();
 }
 
@@ -302,22 +303,6 @@ void Problem::index_blocking() {
 void Problem::check_limits() const {
   if (spec_.limits.max_moved_mass)
     require_not_negative(*spec_.limits.max_moved_mass, "limits.max_moved_mass");
-}
-
-void Problem::check_positions(const Objective& objective, const std::string& place) const {
-  if (objective.type == "travel") {
-    const auto without =
-        std::ranges::find_if(spec_.parts, [](const Part& part) { return !part.position; });
-    if (without != spec_.parts.end()) {
-      fail(place, "\"travel\" needs the position of every part, and part " +
-                      in_quotes(without->id) + " has none");
-    }
-  }
-  if (const auto* sum = std::get_if<WeightedSum>(&objective.parameters)) {
-    for (std::size_t i = 0; i < sum->terms.size(); ++i) {
-      check_positions(sum->terms[i].objective, element(place + ".terms", i));
-    }
-  }
 }
 
 void Problem::check_fleet() const {

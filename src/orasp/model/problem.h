@@ -184,7 +184,6 @@ class Problem {
   void index_precedence();
   void index_blocking();
   void check_limits() const;
-  void check_positions(const Objective& objective, const std::string& place) const;
   void check_fleet() const;
 
   ProblemSpec spec_;

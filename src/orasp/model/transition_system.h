@@ -151,6 +151,13 @@ class TransitionSystem {
   /// may earn less.
   [[nodiscard]] double greatest_size_reward(std::size_t a, std::size_t b, bool completes) const;
 
+  /// Whether some reward depends on whether A and B together are a whole starting piece.
+  [[nodiscard]] bool sees_starting_pieces() const;
+  /// Whether a step's reward depends on nothing but the connection and how many are present.
+  [[nodiscard]] bool sees_order_only() const;
+  /// Whether rewards are worked out by a formula or a function of the user, which may fail.
+  [[nodiscard]] bool calls_out() const;
+
   /// Pieces with two or more parts among the connections of `present` (not `open`).
   [[nodiscard]] std::size_t subassemblies(SetView present) const;
 
@@ -246,9 +253,9 @@ class Expander {
   /// The most that a cut gains that moves just these parts, whatever from; infinite where that is
   /// not known.
   [[nodiscard]] double greatest_gain_of_moving(std::span<const PartIndex> moved);
-  /// Whether that only falls as parts are added.
+  /// Whether a cut gains less, or as much, the more parts it moves.
   [[nodiscard]] bool moving_more_costs_more() const;
-  /// What removing `connection` earns more for completing, when nothing else is there any more.
+  /// How much more removing `connection` earns because it completes, where nothing else is left.
   [[nodiscard]] double completion_surplus(ConnectionIndex connection);
 
  private:

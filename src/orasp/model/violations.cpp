@@ -1,5 +1,9 @@
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "orasp/model/detail/step_scratch.h"
 #include "orasp/model/detail/wording.h"
@@ -7,111 +11,158 @@
 namespace orasp {
 
 using detail::at_most;
-using detail::Facts;
 using detail::Side;
+using detail::StepFacts;
+
+namespace {
+
+/// Collects why one step is not legal. Each member looks at one kind of constraint.
+class Reasons {
+ public:
+  Reasons(const Problem& problem, const detail::Rules& rules, SetView open,
+          ConnectionIndex connection)
+      : problem_(problem),
+        rules_(rules),
+        open_(open),
+        connection_(connection),
+        id_(detail::in_quotes(problem.connection_id(connection))) {}
+
+  [[nodiscard]] std::vector<Violation> found() && { return std::move(found_); }
+
+  void add(Constraint constraint, std::string where, std::string message,
+           std::vector<ConnectionIndex> in_the_way = {}) {
+    found_.push_back({constraint, std::move(where), std::move(message), std::move(in_the_way)});
+  }
+
+  /// Whether the connection can be handled at all.
+  bool open() {
+    if (rules_.kept.contains(connection_)) {
+      add(Constraint::Inaccessible, "", id_ + " is inaccessible");
+      return false;
+    }
+    if (!contains(open_, connection_)) {
+      add(Constraint::NotOpen, "",
+          id_ + (rules_.assembly ? " was made before" : " was removed before"));
+      return false;
+    }
+    return true;
+  }
+
+  void precedence() {
+    for (const PrecedenceClause& clause : problem_.precedence()) {
+      if (clause.connection != connection_) continue;
+      const std::string where = "precedence[" + std::to_string(clause.entry) + "]";
+      std::vector<ConnectionIndex> after;
+      std::ranges::copy_if(clause.after, std::back_inserter(after),
+                           [this](ConnectionIndex other) { return stands_in_the_way(other); });
+      std::ranges::sort(after);
+      if (!after.empty()) {
+        add(Constraint::Precedence, where,
+            id_ + (rules_.assembly ? " must be made before " : " may be removed only after ") +
+                names(after),
+            after);
+      }
+      if (clause.after_any.empty() ||
+          !std::ranges::all_of(clause.after_any,
+                               [this](ConnectionIndex other) { return stands_in_the_way(other); }))
+        continue;
+      std::vector<ConnectionIndex> any = clause.after_any;
+      std::ranges::sort(any);
+      add(Constraint::PrecedenceAny, where,
+          id_ +
+              (rules_.assembly ? " must be made before at least one of "
+                               : " may be removed only after at least one of ") +
+              names(any),
+          any);
+    }
+  }
+
+  void order(bool ruled_out_first, std::optional<ConnectionIndex> waits_for) {
+    if (ruled_out_first) add(Constraint::NotNext, "", id_ + " cannot be the next step");
+    if (!waits_for) return;
+    add(Constraint::Late, "",
+        id_ + " waits for a late part while " +
+            detail::in_quotes(problem_.connection_id(*waits_for)) + " can be handled",
+        {*waits_for});
+  }
+
+  /// Of a step that cuts or joins `pieces`.
+  void limits(const StepFacts& facts, const detail::StepPieces& pieces) {
+    if (facts.subassemblies_apart > rules_.max_subassemblies) {
+      add(Constraint::MaxSubassemblies, "limits.max_subassemblies",
+          cut() + (rules_.assembly ? " starts from " : " leaves ") +
+              std::to_string(facts.subassemblies_apart) + " subassemblies; at most " +
+              std::to_string(rules_.max_subassemblies) + " are allowed");
+    }
+    const std::size_t moved_parts = std::min(facts.a_parts, facts.b_parts);
+    if (moved_parts > rules_.max_moved_parts) {
+      add(Constraint::MaxMovedParts, "limits.max_moved_parts",
+          cut() + " moves " + std::to_string(moved_parts) + " parts; at most " +
+              std::to_string(rules_.max_moved_parts) + " are allowed");
+    }
+    const double moved_mass = pieces.movement(facts).moved_mass;
+    if (!at_most(moved_mass, rules_.max_moved_mass)) {
+      add(Constraint::MaxMovedMass, "limits.max_moved_mass",
+          cut() + " moves " + detail::number_text(moved_mass) + " kg; at most " +
+              detail::number_text(rules_.max_moved_mass) + " kg are allowed");
+    }
+  }
+
+  /// Of a step for which no direction is free.
+  void blocking(const detail::StepPieces& pieces) {
+    const bool a_is_few = pieces.a.parts() <= pieces.b.parts();
+    add(Constraint::Blocking, "blocking",
+        cut() + " is blocked: no direction is free to move " +
+            parts(a_is_few ? pieces.a : pieces.b) + " off " +
+            parts(a_is_few ? pieces.b : pieces.a));
+  }
+
+ private:
+  /// Whether a clause that waits for `other` is not met yet: it is still there, or, in assembly,
+  /// made already.
+  [[nodiscard]] bool stands_in_the_way(ConnectionIndex other) const {
+    const bool missing_or_there = contains(open_, other) || rules_.kept.contains(other);
+    return other == connection_ || missing_or_there != rules_.assembly;
+  }
+  [[nodiscard]] std::string names(const std::vector<ConnectionIndex>& list) const {
+    std::string text;
+    for (const ConnectionIndex c : list)
+      text += (text.empty() ? "" : ", ") + detail::in_quotes(problem_.connection_id(c));
+    return text;
+  }
+  [[nodiscard]] std::string parts(const Side& side) const {
+    std::string text;
+    side.for_each([&](PartIndex part) {
+      text += (text.empty() ? "" : ", ") + detail::in_quotes(problem_.part_id(part));
+    });
+    return text;
+  }
+  [[nodiscard]] std::string cut() const {
+    return (rules_.assembly ? "making " : "removing ") + id_;
+  }
+
+  const Problem& problem_;
+  const detail::Rules& rules_;
+  SetView open_;
+  ConnectionIndex connection_;
+  std::string id_;
+  std::vector<Violation> found_;
+};
+
+}  // namespace
 
 std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connection) {
   Scratch& s = *scratch_;
-  const Problem& problem = s.problem;
-  const TransitionSystem::Rules& rules = s.rules;
-  const std::string id = detail::in_quotes(problem.connection_id(connection));
-  std::vector<Violation> found;
-  if (rules.kept.contains(connection)) {
-    found.push_back({Constraint::Inaccessible, "", id + " is inaccessible", {}});
-    return found;
+  Reasons reasons(s.problem, s.rules, open, connection);
+  if (!reasons.open()) return std::move(reasons).found();
+  reasons.precedence();
+  reasons.order(s.ruled_out_first(open, connection), s.waiting(open, connection));
+  const StepFacts facts = s.flooded_facts(open, connection);
+  if (facts.separates) {
+    reasons.limits(facts, s.pieces);
+    if (s.rules.blocking && s.free_directions() == 0) reasons.blocking(s.pieces);
   }
-  if (!contains(open, connection)) {
-    found.push_back({Constraint::NotOpen,
-                     "",
-                     id + (rules.assembly ? " was made before" : " was removed before"),
-                     {}});
-    return found;
-  }
-  const auto stands_in_the_way = [&](ConnectionIndex other) {
-    const bool missing_or_there = contains(open, other) || rules.kept.contains(other);
-    return other == connection || missing_or_there != rules.assembly;
-  };
-  const auto names = [&](const std::vector<ConnectionIndex>& list) {
-    std::string text;
-    for (const ConnectionIndex c : list)
-      text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.connection_id(c));
-    return text;
-  };
-  for (const PrecedenceClause& clause : problem.precedence()) {
-    if (clause.connection != connection) continue;
-    const std::string where = "precedence[" + std::to_string(clause.entry) + "]";
-    std::vector<ConnectionIndex> after;
-    std::ranges::copy_if(clause.after, std::back_inserter(after), stands_in_the_way);
-    std::ranges::sort(after);
-    if (!after.empty()) {
-      found.push_back({Constraint::Precedence, where,
-                       rules.assembly ? id + " must be made before " + names(after)
-                                      : id + " may be removed only after " + names(after),
-                       after});
-    }
-    if (!clause.after_any.empty() && std::ranges::all_of(clause.after_any, stands_in_the_way)) {
-      std::vector<ConnectionIndex> any = clause.after_any;
-      std::ranges::sort(any);
-      found.push_back({Constraint::PrecedenceAny, where,
-                       rules.assembly
-                           ? id + " must be made before at least one of " + names(any)
-                           : id + " may be removed only after at least one of " + names(any),
-                       any});
-    }
-  }
-  if (s.ruled_out_first(open, connection))
-    found.push_back({Constraint::NotNext, "", id + " cannot be the next step", {}});
-  if (const auto other = s.waiting(open, connection)) {
-    found.push_back({Constraint::Late,
-                     "",
-                     id + " waits for a late part while " +
-                         detail::in_quotes(problem.connection_id(*other)) + " can be handled",
-                     {*other}});
-  }
-  const Facts facts = s.flooded_facts(open, connection);
-  if (!facts.separates) return found;
-  const std::string cut = (rules.assembly ? "making " : "removing ") + id;
-  if (facts.subassemblies_apart > rules.max_subassemblies) {
-    found.push_back({Constraint::MaxSubassemblies,
-                     "limits.max_subassemblies",
-                     (rules.assembly ? cut + " starts from " : cut + " leaves ") +
-                         std::to_string(facts.subassemblies_apart) + " subassemblies; at most " +
-                         std::to_string(rules.max_subassemblies) + " are allowed",
-                     {}});
-  }
-  const std::size_t moved_parts = std::min(facts.a_parts, facts.b_parts);
-  if (moved_parts > rules.max_moved_parts) {
-    found.push_back({Constraint::MaxMovedParts,
-                     "limits.max_moved_parts",
-                     cut + " moves " + std::to_string(moved_parts) + " parts; at most " +
-                         std::to_string(rules.max_moved_parts) + " are allowed",
-                     {}});
-  }
-  const double moved_mass = s.movement(facts).moved_mass;
-  if (!at_most(moved_mass, rules.max_moved_mass)) {
-    found.push_back({Constraint::MaxMovedMass,
-                     "limits.max_moved_mass",
-                     cut + " moves " + detail::number_text(moved_mass) + " kg; at most " +
-                         detail::number_text(rules.max_moved_mass) + " kg are allowed",
-                     {}});
-  }
-  if (rules.blocking && s.free_directions() == 0) {
-    const auto part_list = [&](const Side& side) {
-      std::string text;
-      side.for_each([&](PartIndex part) {
-        text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.part_id(part));
-      });
-      return text;
-    };
-    const Side& few = s.a.parts() <= s.b.parts() ? s.a : s.b;
-    const Side& many = s.a.parts() <= s.b.parts() ? s.b : s.a;
-    found.push_back({Constraint::Blocking,
-                     "blocking",
-                     cut + " is blocked: no direction is free to move " + part_list(few) + " off " +
-                         part_list(many),
-                     {}});
-  }
-  return found;
+  return std::move(reasons).found();
 }
 
 std::string_view constraint_name(Constraint constraint) {

@@ -115,24 +115,6 @@ struct FixedPoint {
 
 // -------------------------------------------------------------------------------------------------
 
-bool sees_whole_pieces(const Objective& objective) {
-  if (std::holds_alternative<CubesatZone>(objective.parameters)) return true;
-  const auto* const sum = std::get_if<WeightedSum>(&objective.parameters);
-  return sum != nullptr && std::ranges::any_of(sum->terms, [](const WeightedObjective& term) {
-           return sees_whole_pieces(term.objective);
-         });
-}
-
-bool calls_out(const Objective& objective) {
-  if (std::holds_alternative<Expression>(objective.parameters) ||
-      std::holds_alternative<Callable>(objective.parameters))
-    return true;
-  const auto* const sum = std::get_if<WeightedSum>(&objective.parameters);
-  return sum != nullptr && std::ranges::any_of(sum->terms, [](const WeightedObjective& term) {
-           return calls_out(term.objective);
-         });
-}
-
 /// What forest blocks need to know of the assembly. Slots as in AssemblyGraph::forest(), numbered
 /// anew: the edges in their order, then the roots that have an edge.
 struct Forest {
@@ -151,7 +133,7 @@ struct Forest {
 std::optional<Forest> forest_of(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   if (system.num_connections() < kLaneBits || !unconstrained(system) || !system.sees_sizes_only() ||
-      sees_whole_pieces(problem.objective()))
+      system.sees_starting_pieces())
     return std::nullopt;
   const detail::AssemblyGraph graph(problem);
   if (!graph.is_forest()) return std::nullopt;
@@ -645,7 +627,7 @@ bool dense_table_fits(const TransitionSystem& system, const Budget& budget) {
 }
 
 bool dense_values_safe(const TransitionSystem& system) {
-  return unconstrained(system) || !calls_out(system.problem().objective());
+  return unconstrained(system) || !system.calls_out();
 }
 
 Result dense_value_iteration(const TransitionSystem& system,

@@ -12,7 +12,8 @@
 
 #include "orasp/io/detail/json_document.h"
 
-/// The kit that reads JSON objects member by member: every fault becomes one sentence that says where it stands.
+/// The kit that reads JSON objects member by member. Every fault becomes one sentence that says
+/// where it stands.
 namespace orasp::detail {
 
 /// Where a value stands in the file. Places live on the stack, each pointing to the one around it,

@@ -15,8 +15,8 @@ enum class Defaults { LeftOut, Written };
 
 [[nodiscard]] nlohmann::ordered_json objective_json(const Objective& objective, Defaults defaults);
 
-/// Whether the objective is or sums a function of C++, which has no text.
-[[nodiscard]] bool holds_callable(const Objective& objective);
+/// Whether a file can state the objective; not so where it is or sums a function of C++.
+[[nodiscard]] bool has_text(const Objective& objective);
 
 template <class Point>
 nlohmann::ordered_json numbers(const Point& point) {

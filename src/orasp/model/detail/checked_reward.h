@@ -1,12 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <memory>
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "orasp/model/formula.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/transition_system.h"
 
@@ -31,6 +29,40 @@ struct SeenStep {
   const Step* step = nullptr;
 };
 
+/// What a step earns, and by how much an honest reward may differ beyond relative errors.
+struct CheckedValue {
+  double reward = 0;
+  double rounding = 0;
+};
+
+/// What the formulas of the check need to know of the whole problem.
+class CheckedProblem {
+ public:
+  explicit CheckedProblem(const Problem& problem);
+
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+  /// Parts of the piece of the whole product that holds `part`.
+  [[nodiscard]] std::size_t starting_piece(PartIndex part) const { return starting_piece_[part]; }
+  /// How far two honest means of the same positions can lie apart, and two distances with them.
+  [[nodiscard]] double distance_error(const SeenStep& step, const Vector3& depot) const;
+
+ private:
+  const Problem& problem_;
+  double farthest_coordinate_ = 0;
+  std::vector<std::size_t> starting_piece_;
+};
+
+[[nodiscard]] double metres_between(const Vector3& point, const Vector3& depot);
+
+/// One addend of the objective. Every objective states its formula a second time for it
+/// (ObjectiveKind::add_checked_terms).
+struct CheckedTerm {
+  double weight = 1;
+  std::function<CheckedValue(const SeenStep&)> value;
+  bool calls_out = false;   ///< a formula or a function of the user, which may not be finite
+  bool needs_step = false;  ///< it looks at SeenStep::step
+};
+
 /// Rewards for the check of plans.
 /// Problem.   A reward formula with a mistake would be in every planner's answer, and a replay
 ///            that used the same formula would find nothing wrong with it.
@@ -44,6 +76,8 @@ class CheckedReward {
   /// @throws InputError if an expression of the objective has no compiler or does not compile, or
   /// the objective is one of fleets.
   explicit CheckedReward(const Problem& problem);
+  CheckedReward(const CheckedReward&) = delete;
+  CheckedReward& operator=(const CheckedReward&) = delete;
 
   struct Value {
     double reward = 0;
@@ -58,25 +92,9 @@ class CheckedReward {
   [[nodiscard]] bool needs_step() const { return needs_step_; }
 
  private:
-  struct Term {
-    double weight;
-    const Objective::Parameters* parameters;
-    std::unique_ptr<Formula> formula;
-    bool formula_measures;  ///< the formula looks at a mass or a distance
-  };
-  struct TermValue;
-
-  void add_terms(const Objective& objective, double weight);
-  void find_starting_pieces();
-  [[nodiscard]] double zone_cost(std::size_t parts, std::size_t of_parts, bool starting) const;
-  [[nodiscard]] double distance_error(const SeenStep& step, const Vector3& depot) const;
-  [[nodiscard]] TermValue value(const Term& term, const SeenStep& step) const;
-
-  const Problem& problem_;
-  std::vector<Term> terms_;
+  CheckedProblem problem_;
+  std::vector<CheckedTerm> terms_;
   bool needs_step_ = false;
-  double farthest_coordinate_ = 0;
-  std::vector<std::size_t> starting_piece_;  ///< by part: parts of its piece of the whole product
 };
 
 }  // namespace orasp::detail

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "orasp/model/detail/problem_totals.h"
+#include "orasp/model/detail/step_pieces.h"
+#include "orasp/model/tolerance.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+
+/// What the rewards of a term depend on. Planners choose their method by it, so each flag must be
+/// true to the formula; false is always safe, but for the last two.
+struct TermSight {
+  /// On nothing but the sizes of A and B, whether the step completes, and whether A and B together
+  /// are a whole starting piece: ObjectiveTerm::size_reward gives them.
+  bool sizes_only = false;
+  /// On numbers alone (StepFacts), not on which parts are on which side: `reward` then looks at
+  /// nothing else.
+  bool counting = false;
+  /// What a step earns is the connection's own (what a step for it earns that separates nothing)
+  /// and, where it separates, a gain that depends on nothing but A, B, the connection and whether
+  /// the step completes.
+  bool piece_only = false;
+  /// piece_only, and that gain depends on the sizes of A and B alone.
+  bool gain_by_sizes = false;
+  /// On nothing but the connection and how many are present.
+  bool order_only = false;
+  /// piece_only, and a piece gains less the more parts move.
+  bool moving_more_costs_more = false;
+  /// piece_only, and the gain depends on the connection too.
+  bool gain_by_connection = false;
+  /// On whether A and B together are a whole starting piece.
+  bool starting_pieces = false;
+  /// Foreign code is called, which may fail or yield a number that is not finite.
+  bool calls_out = false;
+};
+
+/// Rewards that are sums of costs by size, the quickest to work out: `last` for a step that
+/// completes (by whether it separates), `alone` for another that separates nothing, else the
+/// negative of `base` and the costs of A and of B.
+struct SizeCosts {
+  std::array<double, 2> last{};
+  double alone = 0;
+  double base = 0;
+  std::vector<double> costs;  ///< by number of parts
+
+  [[nodiscard]] double reward(std::size_t a, std::size_t b, bool separates, bool completes) const {
+    if (completes) return last[separates ? 1 : 0];
+    if (!separates) return alone;
+    return 0.0 - (base + costs[a] + costs[b]);
+  }
+};
+
+/// A question for the range of a step's reward.
+struct RangeQuestion {
+  ConnectionIndex connection = 0;
+  double duration = 0;     ///< s, of the connection
+  double most_before = 0;  ///< the most connections that may be present before the step
+  bool completes = false;
+};
+
+/// One addend of an objective, resolved for one problem. Immutable and shared by threads, but for
+/// terms with `for_one_thread`.
+class ObjectiveTerm {
+ public:
+  ObjectiveTerm() = default;
+  ObjectiveTerm(const ObjectiveTerm&) = delete;
+  ObjectiveTerm& operator=(const ObjectiveTerm&) = delete;
+  virtual ~ObjectiveTerm() = default;
+
+  TermSight sees;
+
+  /// A copy for one thread alone; null where all threads may share this one.
+  [[nodiscard]] virtual std::unique_ptr<const ObjectiveTerm> for_one_thread() const {
+    return nullptr;
+  }
+
+  /// What the step earns. `movement` and the sides of `pieces` are set unless every term of the
+  /// objective is `counting`.
+  [[nodiscard]] virtual double reward(const detail::StepFacts& facts,
+                                      const detail::Movement& movement,
+                                      const detail::StepPieces& pieces) const = 0;
+
+  /// The same as costs by size, if it can be said so.
+  [[nodiscard]] virtual const SizeCosts* size_costs() const { return nullptr; }
+  /// If sees.sizes_only: what a step earns that cuts a piece into a and b parts (0 and 0: it
+  /// separates nothing).
+  [[nodiscard]] virtual double size_reward(std::size_t a, std::size_t b, bool completes,
+                                           bool whole_start) const {
+    static_cast<void>(whole_start);
+    const SizeCosts* const costs = size_costs();
+    assert(costs != nullptr);
+    return costs->reward(a, b, a != 0, completes);
+  }
+
+  /// Least and greatest reward of a step in every reachable state; planners prove with it.
+  [[nodiscard]] virtual RewardRange range(const RangeQuestion& question) const {
+    static_cast<void>(question);
+    return {-kInfinity, kInfinity};
+  }
+
+  /// If sees.piece_only: the most that a cut gains, times `weight`, whose moved piece has `moved`
+  /// parts and whose other has `kept`; infinite where that is not known, exact where
+  /// sees.gain_by_sizes.
+  [[nodiscard]] virtual double greatest_gain(double weight, std::size_t moved,
+                                             std::size_t kept) const {
+    static_cast<void>(weight);
+    static_cast<void>(moved);
+    static_cast<void>(kept);
+    return kInfinity;
+  }
+  /// If sees.piece_only: the most that a cut gains, times `weight`, which moves the side A of
+  /// `moved`, whatever from; infinite where that is not known.
+  [[nodiscard]] virtual double greatest_gain_of_moving(double weight,
+                                                       const detail::StepPieces& moved) const {
+    static_cast<void>(weight);
+    static_cast<void>(moved);
+    return kInfinity;
+  }
+};
+
+struct WeightedTerm {
+  double weight = 1;
+  std::unique_ptr<const ObjectiveTerm> term;
+};
+
+/// A term that is nothing but costs by size.
+class SizeCostTerm : public ObjectiveTerm {
+ public:
+  explicit SizeCostTerm(SizeCosts costs) : costs_(std::move(costs)) {
+    sees.sizes_only = sees.counting = sees.piece_only = sees.gain_by_sizes = true;
+  }
+  [[nodiscard]] const SizeCosts* size_costs() const final { return &costs_; }
+  [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
+                              const detail::StepPieces& pieces) const final {
+    static_cast<void>(movement);
+    static_cast<void>(pieces);
+    return costs_.reward(facts.a_parts, facts.b_parts, facts.separates, facts.completes);
+  }
+  [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
+                                     std::size_t kept) const final {
+    return weight * (costs_.reward(moved, kept, moved != 0, false) - costs_.alone);
+  }
+
+ protected:
+  [[nodiscard]] const SizeCosts& costs() const { return costs_; }
+
+ private:
+  SizeCosts costs_;
+};
+
+}  // namespace orasp

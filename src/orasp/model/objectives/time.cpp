@@ -1,0 +1,87 @@
+#include "orasp/model/objectives/time.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "orasp/model/objectives/objective_kind.h"
+
+namespace orasp {
+namespace {
+
+class TimeTerm : public ObjectiveTerm {
+ public:
+  TimeTerm(const TimeObjective& time, const detail::ProblemTotals& totals)
+      : problem_(totals.problem), time_(time), farthest_(totals.farthest(time.depot)) {
+    // Without positions every transfer takes the same time.
+    sees.counting = sees.gain_by_sizes = sees.moving_more_costs_more = totals.no_positions;
+    sees.piece_only = true;
+  }
+
+  [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
+                              const detail::StepPieces& pieces) const override {
+    const double duration = problem_.connections()[facts.connection].duration;
+    if (!facts.separates) return 0.0 - duration;
+    if (sees.counting) return earned(duration, std::nullopt);
+    return earned(duration, pieces.distance(movement.a_moves, time_.depot));
+  }
+  [[nodiscard]] RewardRange range(const RangeQuestion& question) const override {
+    const double transfer = std::max(time_.transfer, 2 * farthest_ / time_.speed);
+    return {0.0 - question.duration - transfer, 0.0 - question.duration};
+  }
+  [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
+                                     std::size_t kept) const override {
+    static_cast<void>(moved);
+    static_cast<void>(kept);
+    if (sees.counting) return weight * (0.0 - time_.transfer);
+    if (weight > 0) return 0;
+    return 0.0 - weight * std::max(time_.transfer, 2 * farthest_ / time_.speed);
+  }
+  [[nodiscard]] double greatest_gain_of_moving(double weight,
+                                               const detail::StepPieces& moved) const override {
+    return weight * earned(0, moved.distance(true, time_.depot));
+  }
+
+ private:
+  [[nodiscard]] double earned(double duration, std::optional<double> metres) const {
+    return 0.0 - (duration + (metres ? 2 * *metres / time_.speed : time_.transfer));
+  }
+
+  const Problem& problem_;
+  TimeObjective time_;
+  double farthest_;
+};
+
+class TimeKind : public ObjectiveKindOf<TimeObjective> {
+  void list(TimeObjective& time, ParameterVisitor& visitor) const override {
+    visitor.point("depot", time.depot);
+    visitor.number("speed", time.speed, NumberRange::AboveZero);
+    visitor.number("transfer", time.transfer, NumberRange::NotNegative);
+  }
+  [[nodiscard]] std::unique_ptr<const ObjectiveTerm> term(
+      const TimeObjective& time, const detail::ProblemTotals& totals) const override {
+    return std::make_unique<TimeTerm>(time, totals);
+  }
+  [[nodiscard]] detail::CheckedTerm checked(const TimeObjective& time,
+                                            const detail::CheckedProblem& problem) const override {
+    detail::CheckedTerm term;
+    term.value = [&time, &problem](const detail::SeenStep& step) -> detail::CheckedValue {
+      const double duration = problem.problem().connections()[step.connection].duration;
+      if (!step.separates) return {0.0 - duration};
+      if (!step.moved_centroid) return {0.0 - (duration + time.transfer)};
+      const double metres = detail::metres_between(*step.moved_centroid, time.depot);
+      return {0.0 - (duration + 2 * metres / time.speed),
+              2 * problem.distance_error(step, time.depot) / time.speed};
+    };
+    return term;
+  }
+};
+
+}  // namespace
+
+const ObjectiveKind& time_kind() {
+  static const TimeKind kind;
+  return kind;
+}
+
+}  // namespace orasp
