@@ -10,7 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
+#include "orasp/bounds/connection_bound.h"
+#include "orasp/bounds/piece_bound.h"
 #include "orasp/catalogue.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/graph/state_graph.h"

@@ -15,7 +15,8 @@
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
-#include "orasp/explain/explain.h"
+#include "orasp/explain/explain_connection.h"
+#include "orasp/explain/explain_problem.h"
 #include "orasp/io/problem_json.h"
 
 namespace orasp::cli {

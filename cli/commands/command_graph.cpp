@@ -17,6 +17,7 @@
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
 #include "orasp/drawing/graphviz.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/atomic_file.h"

@@ -16,7 +16,7 @@
 #include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
 #include "orasp/drawing/figures.h"
-#include "orasp/explain/explain.h"
+#include "orasp/explain/explain_problem.h"
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/fleet_plan_json.h"

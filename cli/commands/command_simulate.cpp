@@ -17,9 +17,10 @@
 #include "cli/output/progress.h"
 #include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
+#include "orasp/execution/simulation.h"
+#include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
-#include "orasp/planners/uncertain.h"
 
 namespace orasp::cli {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "orasp/explain/explain.h"
+#include "orasp/explain/explain_problem.h"
 
 namespace orasp::cli {
 

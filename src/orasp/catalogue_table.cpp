@@ -21,7 +21,7 @@
 #include "orasp/planners/orasp_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
-#include "orasp/planners/uncertain.h"
+#include "orasp/planners/uncertain_value_iteration.h"
 
 namespace orasp {
 namespace {

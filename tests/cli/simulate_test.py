@@ -16,7 +16,7 @@ UNCERTAIN = json.dumps({
 
 
 class Simulate(Case):
-    """The problem worked out by hand in tests/planners/uncertain_test.cpp: -3.85 in 2.85 attempts."""
+    """The problem worked out by hand in tests/planners/uncertain_value_iteration_test.cpp: -3.85 in 2.85 attempts."""
 
     def setUp(self):
         super().setUp()

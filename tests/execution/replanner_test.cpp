@@ -12,9 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/catalogue.h"
-#include "orasp/explain/explain.h"
+#include "orasp/explain/explain_problem.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/mip/mip.h"

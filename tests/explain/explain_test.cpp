@@ -1,8 +1,6 @@
 // Explanations against the oracle: conflicts by taking constraints away, connections by definition
 // and by looking at every state.
 
-#include "orasp/explain/explain.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,6 +15,8 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/explain/explain_connection.h"
+#include "orasp/explain/explain_problem.h"
 #include "orasp/model/scenario_generators.h"
 #include "tests/instances.h"
 #include "tests/oracle.h"

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/error.h"

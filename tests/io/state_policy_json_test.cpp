@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "orasp/io/problem_json.h"
-#include "orasp/planners/uncertain.h"
+#include "orasp/planners/uncertain_value_iteration.h"
 
 namespace orasp {
 namespace {

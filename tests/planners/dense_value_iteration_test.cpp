@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/error.h"

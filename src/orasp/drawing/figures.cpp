@@ -13,6 +13,7 @@
 #include "orasp/drawing/detail/dot_text.h"
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/drawing/graphviz.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/model/error.h"

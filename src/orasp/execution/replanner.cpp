@@ -4,13 +4,14 @@
 #include <span>
 #include <utility>
 
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/graph/state_index.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/planner_support.h"
-#include "orasp/planners/uncertain.h"
+#include "orasp/planners/uncertain_value_iteration.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/task/memory_limit.h"
 

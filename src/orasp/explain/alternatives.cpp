@@ -8,7 +8,6 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "orasp/bounds/bounds.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/value_iteration.h"
 

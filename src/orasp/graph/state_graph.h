@@ -1,14 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <limits>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/reward_column.h"
+#include "orasp/model/index.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/memory_limit.h"
@@ -46,6 +46,8 @@ using ActionId = Index<struct ActionKind, std::uint64_t>;
 ///       use(graph.successor(a), graph.reward(a));
 class StateGraph {
  public:
+  static constexpr std::uint64_t kMostStates = std::numeric_limits<StateId>::max() - 1;
+
   /// Builds H; ends early when the budget does (then stop() says why and only whole layers are
   /// held).
   /// @throws InputError as Expander::legal_actions.
@@ -55,8 +57,10 @@ class StateGraph {
 
   enum class Reweighed {
     Done,
-    Differs,  ///< other connections, another start, or in some state other legal actions
-    Stopped,  ///< by the budget
+    /// The other system has other connections, another start, or other legal actions in some state.
+    Differs,
+    /// The budget ended the work.
+    Stopped,
   };
   /// Gives each action what it earns under `system`, which must outlive the graph from then on:
   /// another objective, other durations or masses, on the same states and actions. Every state is
@@ -117,42 +121,11 @@ class StateGraph {
   detail::GrowingArray<std::uint64_t> states_;
   detail::GrowingArray<std::uint64_t> row_begin_;
   detail::GrowingArray<StateId> successors_;
-  detail::GrowingArray<std::uint8_t> narrow_connections_;  ///< up to 256 connections
+  /// The connections of all actions: in the first array where a problem has at most 256
+  /// connections, else in the second. The other one is empty.
+  detail::GrowingArray<std::uint8_t> narrow_connections_;
   detail::GrowingArray<std::uint16_t> wide_connections_;
   detail::RewardColumn rewards_;
 };
-
-/// How large H would be.
-struct GraphEstimate {
-  double states = 0;
-  double actions = 0;
-  double bytes = 0;    ///< to hold it, and to plan on it
-  bool exact = false;  ///< true where no constraint is stated: then states are 2^connections
-};
-
-/// Estimates the size of H without building it, in milliseconds: layer by layer, N(k+1) = N(k) *
-/// b(k) / p(k+1), where b is the mean number of legal actions of sampled states and p the mean
-/// number of legal ways into sampled successors (both sides count the actions between the two
-/// layers). Exact without constraints. Deterministic.
-[[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system);
-
-/// Whether the problem states no constraint, so that every subset of the connections is a state.
-[[nodiscard]] bool unconstrained(const TransitionSystem& system);
-
-/// The size that H would have if nothing were constrained: 2^connections states. Constraints only
-/// take states away.
-[[nodiscard]] GraphEstimate estimate_without_constraints(const TransitionSystem& system);
-
-/// Whether H is estimated to fit in allowed_bytes(budget).
-[[nodiscard]] bool graph_fits(const TransitionSystem& system, const Budget& budget);
-
-/// Why a method that builds H does not take the problem, known before memory is taken: H is
-/// estimated not to fit in allowed_bytes(budget) (a sampled estimate may exceed it twofold: the
-/// limit still ends the build). A clause that goes on from the method's name and gives the
-/// estimate; empty where H fits. `other_bytes`, if not 0, is what a table of all subsets would
-/// take, to be named too.
-[[nodiscard]] std::optional<std::string> graph_obstacle(const TransitionSystem& system,
-                                                        const Budget& budget,
-                                                        double other_bytes = 0);
 
 }  // namespace orasp

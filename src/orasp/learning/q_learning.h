@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"

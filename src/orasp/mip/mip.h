@@ -33,7 +33,7 @@ inline constexpr std::size_t kMipMaxConnections = 32;
 /// Reference.  Time-indexed assignment: Dyer and Wolsey (1990), Discrete Applied Mathematics 26,
 ///             255-270. No integer program was published for this problem; this one is ours. The
 ///             balance of sizes alone, as a linear program, gives the bound `sizes`
-///             (bounds/bounds.h).
+///             (bounds/piece_bound.h).
 /// Cost.       With n connections, N parts: about n (2n + N^2 + N^2/4 + 2n) columns and n (2 n N +
 ///             N^2) rows; for lattice (12, 9) see docs/algorithms.md.
 /// Limit.      kMipMaxConnections; objectives whose reward is a connection's own, a function of the

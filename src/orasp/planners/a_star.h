@@ -1,6 +1,6 @@
 #pragma once
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -15,7 +15,7 @@ struct AStarOptions {
 /// most.
 ///
 /// Idea.       f(s) = g(s) + h(s), g the best reward from the start and h an upper bound on what is
-///             left (bounds/bounds.h). Nothing that promises less than the optimum is ever
+///             left (bounds/bound_kinds.h). Nothing that promises less than the optimum is ever
 ///             expanded. All paths to a state have the same length, and h is consistent, so a state
 ///             is expanded once but for rounding. Values of f that differ by less than
 ///             kRewardTolerance are equal, and among equals the state nearest to the goal comes

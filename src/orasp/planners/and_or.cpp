@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/piece_gains.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/parallel.h"
 #include "orasp/containers/state_table.h"

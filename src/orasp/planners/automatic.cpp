@@ -6,8 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "orasp/bounds/bounds.h"
-#include "orasp/graph/state_graph.h"
+#include "orasp/bounds/connection_bound.h"
+#include "orasp/bounds/piece_bound.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"

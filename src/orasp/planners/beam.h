@@ -1,6 +1,6 @@
 #pragma once
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"

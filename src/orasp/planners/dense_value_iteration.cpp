@@ -13,10 +13,9 @@
 #include <variant>
 #include <vector>
 
-#include "orasp/bounds/bounds.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/parallel.h"
-#include "orasp/graph/state_graph.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/error.h"
 #include "orasp/model/tolerance.h"

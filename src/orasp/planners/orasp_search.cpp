@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"

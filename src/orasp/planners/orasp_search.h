@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -23,7 +23,7 @@ struct OraspSearchOptions {
 ///             is left cannot beat the incumbent, and so is a state met again no better than
 ///             before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
-///             bound is 0). Rewards above zero, and stronger bounds, come from bounds/bounds.h.
+///             bound is 0). Rewards above zero, and stronger bounds, come from bounds/bound_kinds.h.
 /// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more
 ///             than kRewardTolerance and the rounding error of a sum of so many rewards.
 /// Cost.       At worst every state once for each better path to it; one table entry (key, reward)

@@ -5,7 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/bound_kinds.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"

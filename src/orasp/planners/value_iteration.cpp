@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "orasp/containers/parallel.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/planner_support.h"

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "orasp/bounds/bounds.h"
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/model/detail/wording.h"

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "orasp/bounds/bounds.h"
 #include "orasp/explain/grounds.h"
+#include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/model/tolerance.h"

@@ -73,7 +73,7 @@ struct AttemptOutcome {
   [[nodiscard]] bool operator==(const AttemptOutcome&) const = default;
 };
 
-/// What is known of a policy where attempts may fail (planners/uncertain.h).
+/// What is known of a policy where attempts may fail (planners/uncertain_value_iteration.h).
 struct Expectation {
   double attempts = 0;  ///< expected number
   double residual = 0;  ///< the most by which Bellman's operator changes a value

@@ -134,6 +134,15 @@ std::string listed(std::span<const std::string_view> names) {
   return result;
 }
 
+std::string quoted_list(std::span<const std::string> ids, std::string_view last) {
+  std::string text;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i > 0) text += i + 1 == ids.size() ? " " + std::string(last) + " " : ", ";
+    text += in_quotes(ids[i]);
+  }
+  return text;
+}
+
 std::optional<std::size_t> ill_formed_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = character_length(text.substr(i));

@@ -35,6 +35,9 @@ namespace orasp::detail {
 /// The names joined by ", ".
 [[nodiscard]] std::string listed(std::span<const std::string_view> names);
 
+/// The ids in quotes, joined by ", ", and the last two by the word `last`: "a", "b" and "c".
+[[nodiscard]] std::string quoted_list(std::span<const std::string> ids, std::string_view last);
+
 /// The position of the first byte that is not part of well-formed UTF-8 (RFC 3629), if there is
 /// one.
 [[nodiscard]] std::optional<std::size_t> ill_formed_utf8(std::string_view text);

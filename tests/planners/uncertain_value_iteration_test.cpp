@@ -1,4 +1,4 @@
-#include "orasp/planners/uncertain.h"
+#include "orasp/planners/uncertain_value_iteration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "orasp/catalogue.h"
+#include "orasp/execution/simulation.h"
+#include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
 #include "tests/checks.h"

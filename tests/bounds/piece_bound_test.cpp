@@ -1,4 +1,4 @@
-#include "orasp/bounds/bounds.h"
+#include "orasp/bounds/piece_bound.h"
 
 #include <cmath>
 #include <limits>

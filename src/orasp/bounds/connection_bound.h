@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "orasp/bounds/bound.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+
+/// A bound for any objective: each open connection earns at most its greatest reward
+/// (TransitionSystem::reward_range), and the last step at most `last_surplus` more.
+///
+/// Admissible. A plan handles each open connection once, and each step earns at most what its range
+///             allows.
+/// Consistent. h(s) - h(s') = greatest(c) >= r(s, c) for a step from s to s' that handles c and does
+///             not complete.
+/// Limit.      The bound is infinite where the range of some connection is not known.
+/// Cost.       O(open connections) a state; a search that carries the bound along pays one
+///             subtraction a step.
+class ConnectionBound final : public Bound {
+ public:
+  explicit ConnectionBound(const TransitionSystem& system);
+
+  [[nodiscard]] bool known() const override { return known_; }
+  [[nodiscard]] double operator()(SetView open) override;
+  void of_successors(SetView open, double here, std::span<const Action> actions,
+                     std::span<double> bounds) override;
+  /// The most that handling `connection` can earn when it is not the last step.
+  [[nodiscard]] double greatest(ConnectionIndex connection) const { return greatest_[connection]; }
+  /// The most that the last step can earn above greatest() of its connection.
+  [[nodiscard]] double last_surplus() const { return last_surplus_; }
+
+ private:
+  bool known_ = true;
+  double last_surplus_ = 0;
+  std::vector<double> greatest_;
+};
+
+}  // namespace orasp

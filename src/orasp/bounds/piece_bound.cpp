@@ -1,0 +1,182 @@
+#include "orasp/bounds/piece_bound.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/model/tolerance.h"
+
+namespace orasp {
+
+struct PieceBound::Scratch {
+  Scratch(const TransitionSystem& system, bool lists)
+      : graph(system.problem()),
+        connectivity(graph, lists),
+        kept(system.kept()),
+        keeps(!kept.empty()),
+        words(system.words()) {}
+  detail::AssemblyGraph graph;
+  detail::Connectivity connectivity;
+  std::vector<PartIndex> piece;
+  ConnectionSet kept;
+  bool keeps;
+  std::vector<std::uint64_t> words;
+  /// The three below are filled where a piece may end as units of several parts. What the cuts of
+  /// each piece of a state gain at most:
+  std::vector<double> gains;
+  /// How much more each piece gains if the last step of all is its last cut:
+  std::vector<double> surpluses;
+  /// The piece that each part belongs to, a place in the two above:
+  std::vector<std::size_t> piece_of;
+
+  /// The connections that are there in the state `open` of a disassembly.
+  [[nodiscard]] SetView present(SetView open) {
+    if (!keeps) return open;
+    std::ranges::transform(open, kept.view(), words.begin(), std::bit_or());
+    return words;
+  }
+};
+
+PieceBound::PieceBound(const TransitionSystem& system, Kind kind) : gains_(system) {
+  sizes_ = kind != Kind::Parts && gains_.known() && gains_.sizes_known();
+  parts_ = kind != Kind::Sizes && gains_.known() && gains_.parts_known();
+  known_ = sizes_ || parts_;
+  if (known_) scratch_ = std::make_unique<Scratch>(system, parts_ || gains_.has_units());
+}
+
+PieceBound::~PieceBound() = default;
+
+double PieceBound::of_piece(std::span<const PartIndex> piece) const {
+  double bound = kInfinity;
+  if (sizes_) bound = gains_.by_size(piece.size(), gains_.excess(piece));
+  if (parts_) bound = std::min(bound, gains_.by_parts(piece));
+  return bound;
+}
+
+// The bound of a piece whose last cut is the last step of all.
+double PieceBound::of_last_piece(std::span<const PartIndex> piece) const {
+  const std::size_t excess = gains_.excess(piece);
+  if (excess + 1 == piece.size()) return -kInfinity;
+  double bound = kInfinity;
+  if (sizes_) bound = gains_.last_by_size(piece.size(), excess);
+  if (parts_) bound = std::min(bound, gains_.by_parts(piece) + gains_.surplus_of_cut());
+  return bound;
+}
+
+// Fills Scratch::gains, surpluses and piece_of for the state `open`, and returns the sum of the
+// gains.
+double PieceBound::measure_units(SetView open) {
+  Scratch& s = *scratch_;
+  double sum = 0;
+  s.gains.clear();
+  s.surpluses.clear();
+  s.piece_of.resize(s.graph.num_parts());
+  s.graph.for_each_piece(s.present(open), [&](std::span<const PartIndex> piece) {
+    for (const PartIndex part : piece) s.piece_of[part] = s.gains.size();
+    s.gains.push_back(of_piece(piece));
+    s.surpluses.push_back(of_last_piece(piece) - s.gains.back());
+    sum += s.gains.back();
+  });
+  return sum;
+}
+
+void PieceBound::of_successors_with_units(SetView open, double here,
+                                          std::span<const Action> actions,
+                                          std::span<double> bounds) {
+  Scratch& s = *scratch_;
+  measure_units(open);
+  s.connectivity.analyse(s.present(open), false);
+  // Returns the greatest surplus of all pieces but `piece`.
+  const auto greatest_but = [&](std::size_t piece) {
+    double greatest = gains_.surplus_without_cut();
+    for (std::size_t p = 0; p < s.surpluses.size(); ++p) {
+      if (p != piece) greatest = std::max(greatest, s.surpluses[p]);
+    }
+    return greatest;
+  };
+  const auto best =
+      static_cast<std::size_t>(std::ranges::max_element(s.surpluses) - s.surpluses.begin());
+  const double others = greatest_but(best);
+  const double greatest = std::max(others, s.surpluses[best]);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const ConnectionIndex c = actions[i].connection;
+    bounds[i] = here - gains_.own(c);
+    const std::uint32_t a = s.connectivity.below(c);
+    if (a == 0) continue;
+    s.piece.clear();
+    s.connectivity.lower_side(c).for_each([&](PartIndex part) { s.piece.push_back(part); });
+    s.connectivity.upper_side(c).for_each([&](PartIndex part) { s.piece.push_back(part); });
+    const std::span<const PartIndex> all(s.piece);
+    const std::size_t cut_piece = s.piece_of[all.front()];
+    const double first = of_piece(all.first(a));
+    const double second = of_piece(all.subspan(a));
+    const double now =
+        std::max({cut_piece == best ? others : greatest, of_last_piece(all.first(a)) - first,
+                  of_last_piece(all.subspan(a)) - second});
+    bounds[i] += first + second - s.gains[cut_piece] + now - greatest;
+  }
+}
+
+double PieceBound::operator()(SetView open) {
+  if (!known_) return kInfinity;
+  double sum = 0;
+  bool goal = true;
+  for_each_connection(open, [&](ConnectionIndex c) {
+    sum += gains_.own(c);
+    goal = false;
+  });
+  if (goal) return 0;
+  if (gains_.has_units()) {
+    sum += measure_units(open);
+    return sum +
+           std::max(gains_.surplus_without_cut(), *std::ranges::max_element(scratch_->surpluses));
+  }
+  scratch_->graph.for_each_piece(open,
+                                 [&](std::span<const PartIndex> piece) { sum += of_piece(piece); });
+  return sum + gains_.last_surplus();
+}
+
+void PieceBound::of_successors(SetView open, double here, std::span<const Action> actions,
+                               std::span<double> bounds) {
+  if (count(open) == 1) {
+    std::ranges::fill(bounds, 0.0);
+    return;
+  }
+  if (gains_.has_units()) {
+    of_successors_with_units(open, here, actions, bounds);
+    return;
+  }
+  detail::Connectivity& connectivity = scratch_->connectivity;
+  connectivity.analyse(open, false);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const ConnectionIndex c = actions[i].connection;
+    bounds[i] = here - gains_.own(c);
+    const std::uint32_t a = connectivity.below(c);
+    if (a == 0) continue;
+    const std::uint32_t n = connectivity.piece(c);
+    if (!parts_) {
+      bounds[i] += gains_.by_size(a) + gains_.by_size(n - a) - gains_.by_size(n);
+      continue;
+    }
+    std::vector<PartIndex>& piece = scratch_->piece;
+    piece.clear();
+    connectivity.lower_side(c).for_each([&](PartIndex part) { piece.push_back(part); });
+    connectivity.upper_side(c).for_each([&](PartIndex part) { piece.push_back(part); });
+    const std::span<const PartIndex> all(piece);
+    bounds[i] += of_piece(all.first(a)) + of_piece(all.subspan(a)) - of_piece(all);
+  }
+}
+
+void PieceBound::add_change(SetView open, std::span<Action> actions) {
+  if (actions.empty()) return;
+  if (count(open) == 1) {
+    actions.front().reward -= (*this)(open);
+    return;
+  }
+  changes_.resize(actions.size());
+  of_successors(open, 0, actions, changes_);
+  for (std::size_t i = 0; i < actions.size(); ++i) actions[i].reward += changes_[i];
+}
+
+}  // namespace orasp

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "orasp/bounds/bound.h"
+#include "orasp/bounds/piece_gains.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+
+/// A bound that looks at each piece of a state: at its size, at what moving its parts costs, or at
+/// the better of the two for each piece.
+///
+/// Admissible. By sizes: each piece of n parts is cut n - 1 times, each cut parts it into two sizes,
+///             and only cuts of sizes that the limits forbid are left out. By moved parts: see
+///             PiecePrices. Other constraints only take choices away.
+/// Consistent. For every legal cut of S into A and B, g(S) >= gain + g(A) + g(B) for each of the two
+///             bounds, and so for the smaller of the two.
+/// Units.      Where connections are kept for ever, a piece ends as units of several parts
+///             (PartUnits). It has that many cuts fewer, and each unit but one ends as the last of
+///             what was moved, so it pays the price of any one of its parts. What completing adds
+///             then depends on the piece that is cut last.
+/// Limit.      The bound is infinite where the objective sees more than the piece, in assembly, and
+///             beyond PieceGains::kMostParts.
+/// Cost.       O(parts^2) once, O(parts + connections) a state.
+class PieceBound final : public Bound {
+ public:
+  enum class Kind { Sizes, Parts, Both };
+
+  PieceBound(const TransitionSystem& system, Kind kind);
+  ~PieceBound() override;
+
+  [[nodiscard]] bool known() const override { return known_; }
+  [[nodiscard]] double operator()(SetView open) override;
+  void of_successors(SetView open, double here, std::span<const Action> actions,
+                     std::span<double> bounds) override;
+  /// Adds to the reward of each action the change of the bound that the action brings: minus what a
+  /// plan loses at least by it, and 0 for the actions that keep the bound within reach.
+  void add_change(SetView open, std::span<Action> actions);
+
+ private:
+  struct Scratch;
+  [[nodiscard]] double of_piece(std::span<const PartIndex> piece) const;
+  [[nodiscard]] double of_last_piece(std::span<const PartIndex> piece) const;
+  double measure_units(SetView open);
+  void of_successors_with_units(SetView open, double here, std::span<const Action> actions,
+                                std::span<double> bounds);
+
+  PieceGains gains_;
+  bool sizes_ = false;
+  bool parts_ = false;
+  bool known_ = false;
+  std::vector<double> changes_;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace orasp

@@ -1,0 +1,256 @@
+#include "orasp/explain/explain_connection.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "orasp/containers/state_table.h"
+#include "orasp/model/detail/wording.h"
+#include "orasp/planners/feasibility.h"
+
+namespace orasp {
+
+namespace {
+
+using detail::quoted_list;
+
+/// How many states each search for a later chance may look at.
+constexpr std::uint64_t kStatesBreadthFirst = 20'000;
+constexpr std::uint64_t kStatesDepthFirst = 200'000;
+
+std::vector<BlockedDirection> blocked_directions(const Problem& problem, const Step& step) {
+  std::vector<char> moved(problem.num_parts(), 0);
+  std::vector<char> stays(problem.num_parts(), 0);
+  for (const PartIndex part : step.moved()) moved[part] = 1;
+  for (const PartIndex part : step.kept()) stays[part] = 1;
+  std::vector<BlockedDirection> directions;
+  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
+    if ((problem.directions() >> d & 1U) == 0) continue;
+    BlockedDirection found;
+    found.direction = kDirectionNames[d];
+    std::set<PartIndex> blocked;
+    std::set<PartIndex> in_the_way;
+    const auto& entries = problem.spec().blocking->blocked;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const auto along = [&](std::size_t direction) {
+        return std::ranges::find(entries[i].directions, kDirectionNames[direction]) !=
+               entries[i].directions.end();
+      };
+      const PartIndex part = problem.find_part(entries[i].part, "");
+      const PartIndex by = problem.find_part(entries[i].by, "");
+      const bool forward = moved[part] != 0 && stays[by] != 0 && along(d);
+      const bool backward = moved[by] != 0 && stays[part] != 0 && along(opposite(d));
+      if (!forward && !backward) continue;
+      blocked.insert(forward ? part : by);
+      in_the_way.insert(forward ? by : part);
+      found.entries.push_back(i);
+    }
+    found.moved.assign(blocked.begin(), blocked.end());
+    found.in_the_way.assign(in_the_way.begin(), in_the_way.end());
+    directions.push_back(std::move(found));
+  }
+  std::ranges::stable_sort(directions, {}, [](const BlockedDirection& direction) {
+    return std::pair(direction.in_the_way.size(), direction.entries.size());
+  });
+  return directions;
+}
+
+/// The number of pieces of two or more parts while the connection of the step is absent, which is
+/// what max_subassemblies limits.
+std::size_t subassemblies_apart(const Problem& problem, const Step& step) {
+  if (problem.direction() == Direction::Disassembly) return step.subassemblies;
+  return step.subassemblies - 1 + std::size_t{step.a.size() >= 2} + std::size_t{step.b.size() >= 2};
+}
+
+Remedy remedy_for(const Problem& problem, const Violation& violation, const Step& step) {
+  const bool assembly = problem.direction() == Direction::Assembly;
+  Remedy remedy;
+  remedy.constraint = violation.constraint;
+  remedy.where = violation.where;
+  const auto ids = [&](const auto& items, const auto& name) {
+    std::vector<std::string> list;
+    for (const auto item : items) list.push_back(name(item));
+    return list;
+  };
+  const auto connection = [&](ConnectionIndex c) { return problem.connection_id(c); };
+  const auto part = [&](PartIndex p) { return problem.part_id(p); };
+  const auto allow = [&](double least, const std::string& text) {
+    remedy.least = least;
+    remedy.message = "a limit of " + text + " would allow it";
+  };
+  switch (violation.constraint) {
+    case Constraint::Precedence:
+    case Constraint::PrecedenceAny: {
+      const bool any = violation.constraint == Constraint::PrecedenceAny;
+      remedy.first = violation.blocking_connections;
+      const std::string names = quoted_list(ids(remedy.first, connection), any ? "or" : "and");
+      if (std::ranges::find(remedy.first, step.connection) != remedy.first.end()) {
+        remedy.message = "the entry makes it wait for itself; take that out";
+      } else {
+        remedy.message = (assembly ? "make it before " : "remove first ") + names;
+      }
+      break;
+    }
+    case Constraint::MaxSubassemblies: {
+      const std::size_t least = subassemblies_apart(problem, step);
+      allow(static_cast<double>(least), std::to_string(least));
+      break;
+    }
+    case Constraint::MaxMovedParts:
+      allow(static_cast<double>(step.moved().size()), std::to_string(step.moved().size()));
+      break;
+    case Constraint::MaxMovedMass:
+      allow(step.moved_mass, detail::number_text(step.moved_mass) + " kg");
+      break;
+    case Constraint::Blocking: {
+      remedy.directions = blocked_directions(problem, step);
+      const BlockedDirection& best = remedy.directions.front();
+      remedy.message = "fewest parts are in the way along " + best.direction + ": " +
+                       quoted_list(ids(best.in_the_way, part), "and") + " in the way of " +
+                       quoted_list(ids(best.moved, part), "and") + " (";
+      for (std::size_t i = 0; i < best.entries.size(); ++i)
+        remedy.message +=
+            (i > 0 ? ", " : "") + ("blocking.blocked[" + std::to_string(best.entries[i]) + "]");
+      remedy.message += ")";
+      break;
+    }
+    case Constraint::Inaccessible: remedy.message = "it would have to be accessible again"; break;
+    case Constraint::NotNext: remedy.message = "it may be a later step"; break;
+    case Constraint::Late:
+      remedy.first = violation.blocking_connections;
+      remedy.message = "what does not wait for the part comes first";
+      break;
+    case Constraint::NotOpen: remedy.message = "it is not there to be handled again"; break;
+  }
+  return remedy;
+}
+
+/// Finds the fewest other steps after which the connection is legal, breadth first.
+void search_breadth_first(const TransitionSystem& system, const ConnectionSet& open,
+                          ConnectionIndex connection, const Budget& budget,
+                          ConnectionExplanation& explanation) {
+  struct Origin {
+    std::uint32_t parent;
+    ConnectionIndex step;
+  };
+  Expander expander(system);
+  detail::StateTable<0> states(system.words());
+  std::vector<Origin> origins;
+  states.insert(open.view().data());
+  origins.push_back({0, 0});
+  for (std::uint32_t s = 0; s < states.size(); ++s) {
+    if (s % 64 == 0 && budget.expired(states.bytes()) != Stop::None) return;
+    ConnectionSet state(system.num_connections(), SetView{states.key(s), system.words()});
+    const auto actions = expander.legal_actions(state.view());
+    if (std::ranges::find(actions, connection, &Action::connection) != actions.end()) {
+      explanation.later = ConnectionExplanation::Later::Legal;
+      explanation.fewest = true;
+      for (std::uint32_t at = s; at != 0; at = origins[at].parent)
+        explanation.after.push_back(origins[at].step);
+      std::ranges::reverse(explanation.after);
+      return;
+    }
+    for (const Action& action : actions) {
+      state.erase(action.connection);
+      if (states.insert(state.view().data()).is_new) origins.push_back({s, action.connection});
+      state.insert(action.connection);
+      if (states.size() > kStatesBreadthFirst) return;
+    }
+  }
+  explanation.later = ConnectionExplanation::Later::Never;
+}
+
+/// A legal order from `open` to the end (disassembly: nothing present, assembly: everything), as
+/// steps of the problem's direction.
+Feasibility order_from(const Problem& problem, const ConnectionSet& open, const Budget& budget) {
+  Budget share = budget;
+  share.progress = nullptr;
+  share.max_expansions = std::min(budget.max_expansions, kStatesDepthFirst);
+  const std::size_t connections = problem.num_connections();
+  if (problem.direction() == Direction::Disassembly)
+    return find_order(problem, open, ConnectionSet(connections), share);
+  ConnectionSet present = ConnectionSet::all(connections);
+  for_each_connection(open.view(), [&](ConnectionIndex c) { present.erase(c); });
+  Feasibility found = find_order(problem, ConnectionSet::all(connections), present, share);
+  std::ranges::reverse(found.order);
+  return found;
+}
+
+/// How many of `steps` lead to the first state in which `connection` is legal; empty where they end,
+/// or are not legal themselves, before that.
+std::optional<std::size_t> steps_until_legal(Expander& expander, ConnectionSet state,
+                                             std::span<const ConnectionIndex> steps,
+                                             ConnectionIndex connection) {
+  for (std::size_t i = 0; i <= steps.size(); ++i) {
+    if (expander.legal(state.view(), connection)) return i;
+    if (i == steps.size() || !expander.legal(state.view(), steps[i])) break;
+    state.erase(steps[i]);
+  }
+  return std::nullopt;
+}
+
+/// Follows some plan up to where the connection is legal, and leaves out what it can of its steps.
+void search_depth_first(const Problem& problem, const TransitionSystem& system,
+                        const ConnectionSet& open, ConnectionIndex connection, const Budget& budget,
+                        ConnectionExplanation& explanation) {
+  std::vector<ConnectionIndex> steps = order_from(problem, open, budget).order;
+  Expander expander(system);
+  const auto reached = steps_until_legal(expander, open, steps, connection);
+  if (!reached) return;
+  steps.resize(*reached);
+  // Leaving a step out is tried by replaying the others: as often as a second or so allows.
+  constexpr std::size_t kWork = 200'000'000;
+  const std::size_t work_of_step = problem.num_parts() + problem.num_connections();
+  std::size_t work = 0;
+  for (std::size_t i = steps.size(); i-- > 0 && budget.expired() == Stop::None;) {
+    work += 2 * steps.size() * work_of_step;
+    if (work > kWork) break;
+    std::vector<ConnectionIndex> fewer = steps;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto still = steps_until_legal(expander, open, fewer, connection);
+    if (!still) continue;
+    fewer.resize(*still);
+    steps = std::move(fewer);
+    i = std::min(i, steps.size());
+  }
+  explanation.later = ConnectionExplanation::Later::Legal;
+  explanation.after = std::move(steps);
+}
+
+}  // namespace
+
+ConnectionExplanation explain_connection(const Problem& problem, const ConnectionSet& open,
+                                         ConnectionIndex connection, const Budget& budget) {
+  const TransitionSystem system(problem);
+  Expander expander(system);
+  ConnectionExplanation explanation;
+  explanation.violations = expander.violations(open.view(), connection);
+  explanation.legal = explanation.violations.empty();
+  if (explanation.legal) {
+    ConnectionSet next = open;
+    next.erase(connection);
+    const Feasibility found = system.infeasibility() ? Feasibility{.status = Status::Infeasible}
+                                                     : order_from(problem, next, budget);
+    if (found.status != Status::Unknown) explanation.plan_exists = found.status == Status::Feasible;
+    return explanation;
+  }
+  if (!open.contains(connection)) {
+    explanation.later = ConnectionExplanation::Later::Never;
+    explanation.remedies.push_back(remedy_for(problem, explanation.violations.front(), {}));
+    return explanation;
+  }
+  const Step step = expander.step(open.view(), connection);
+  for (const Violation& violation : explanation.violations)
+    explanation.remedies.push_back(remedy_for(problem, violation, step));
+  search_breadth_first(system, open, connection, budget, explanation);
+  if (explanation.later == ConnectionExplanation::Later::Unknown &&
+      budget.expired() == Stop::None) {
+    search_depth_first(problem, system, open, connection, budget, explanation);
+  }
+  return explanation;
+}
+
+}  // namespace orasp
