@@ -44,8 +44,9 @@
 ///     // Figures for a paper, as SVG files: structure, steps, H, growth.
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
 ///
-/// Folders: model (problem, rules), planners (one algorithm a pair of files), learning, io (JSON,
-/// Graphviz), catalogue (all planners by name). Errors: InputError, and nothing else is thrown on
+/// Folders: model (problem, rules), task (budget, result), bounds, graph (H), planners (one method
+/// a pair of files), mip, explain, execution (replanning), learning, fleet, io (files), drawing,
+/// report, catalogue (all planners by name). Errors: InputError, and nothing else is thrown on
 /// purpose. Units: kg, m, s.
 
 #include "orasp/bounds/bound_kinds.h"

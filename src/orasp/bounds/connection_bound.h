@@ -13,8 +13,8 @@ namespace orasp {
 ///
 /// Admissible. A plan handles each open connection once, and each step earns at most what its range
 ///             allows.
-/// Consistent. h(s) - h(s') = greatest(c) >= r(s, c) for a step from s to s' that handles c and does
-///             not complete.
+/// Consistent. h(s) - h(s') = greatest(c) >= r(s, c) for a step from s to s' that handles c and
+///             does not complete.
 /// Limit.      The bound is infinite where the range of some connection is not known.
 /// Cost.       O(open connections) a state; a search that carries the bound along pays one
 ///             subtraction a step.

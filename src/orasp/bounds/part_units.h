@@ -29,8 +29,8 @@ class PartUnits {
   [[nodiscard]] std::size_t excess(std::span<const PartIndex> piece) const;
   /// The same for all parts of the problem together.
   [[nodiscard]] std::size_t excess() const;
-  /// The number of parts in the unit that begins with each part, 0 for the other parts. Empty unless
-  /// any().
+  /// The number of parts in the unit that begins with each part, 0 for the other parts. Empty
+  /// unless any().
   [[nodiscard]] std::vector<std::size_t> sizes() const;
 
  private:

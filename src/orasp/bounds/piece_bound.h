@@ -13,11 +13,11 @@ namespace orasp {
 /// A bound that looks at each piece of a state: at its size, at what moving its parts costs, or at
 /// the better of the two for each piece.
 ///
-/// Admissible. By sizes: each piece of n parts is cut n - 1 times, each cut parts it into two sizes,
-///             and only cuts of sizes that the limits forbid are left out. By moved parts: see
-///             PiecePrices. Other constraints only take choices away.
-/// Consistent. For every legal cut of S into A and B, g(S) >= gain + g(A) + g(B) for each of the two
-///             bounds, and so for the smaller of the two.
+/// Admissible. By sizes: each piece of n parts is cut n - 1 times, each cut parts it into two
+///             sizes, and only cuts of sizes that the limits forbid are left out. By moved parts:
+///             see PiecePrices. Other constraints only take choices away.
+/// Consistent. For every legal cut of S into A and B, g(S) >= gain + g(A) + g(B) for each of the
+///             two bounds, and so for the smaller of the two.
 /// Units.      Where connections are kept for ever, a piece ends as units of several parts
 ///             (PartUnits). It has that many cuts fewer, and each unit but one ends as the last of
 ///             what was moved, so it pays the price of any one of its parts. What completing adds

@@ -57,8 +57,8 @@ class PieceGains {
     return excess == 0 ? by_size_[parts] : by_excess_[excess - 1][parts];
   }
 
-  /// The same where the last cut of the piece is the last step of all, which adds S to it. S depends
-  /// on the two units that this cut parts, whose sizes are known:
+  /// The same where the last cut of the piece is the last step of all, which adds S to it. S
+  /// depends on the two units that this cut parts, whose sizes are known:
   ///
   ///     g*(a + b, a + b - 2) = gain(a, b) + S(a, b),
   ///     g*(n, d) = max over cuts of gain(a, b) + max(g*(a, i) + g(b, j), g(a, i) + g*(b, j)).

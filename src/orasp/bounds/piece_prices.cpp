@@ -26,8 +26,8 @@ std::uint64_t small_key(std::span<const PartIndex> piece) {
   return key;
 }
 
-/// Calls visit(std::span<const PartIndex>) for the connected sets of one, two and three parts, of at
-/// most `largest` parts. Some sets are visited more than once.
+/// Calls visit(std::span<const PartIndex>) for the connected sets of one, two and three parts, of
+/// at most `largest` parts. Some sets are visited more than once.
 template <class Visit>
 void for_each_small_set(const detail::AssemblyGraph& graph, std::size_t largest, Visit&& visit) {
   std::array<PartIndex, 3> set{};

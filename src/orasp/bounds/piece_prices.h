@@ -15,15 +15,17 @@ namespace orasp {
 /// Bounds what the cuts of a piece gain by prices of its parts, where the gain of a cut depends on
 /// what is moved.
 ///
-/// Problem.    A piece is cut until only units are left (PartUnits). Each cut moves one side off the
-///             other. The bound must hold whatever is cut off in which order.
+/// Problem.    A piece is cut until only units are left (PartUnits). Each cut moves one side off
+///             the other. The bound must hold whatever is cut off in which order.
 /// Idea.       Follow the side that stays: every unit of the piece but one ends as the last of what
 ///             was moved in some cut, a different cut for each unit. So each part p gets a price
 ///             y(p) <= 0, the most that a cut can gain that moves a piece with p in it, and the
 ///             piece gains at most the sum of the prices of its parts, less the least of them.
 ///
-///             Where at most three parts ever move, better prices are found. Let w(M) be what moving
-///             the set M gains, and what M gains on its own from there on; M runs over all connected
+///             Where at most three parts ever move, better prices are found. Let w(M) be what
+/// moving
+///             the set M gains, and what M gains on its own from there on; M runs over all
+/// connected
 ///             sets of up to three parts. If the prices of each M add up to w(M) or more, then what
 ///             is taken off a piece gains at most its prices, so all of it at most the sum without
 ///             the part that stays last. The least such prices are a linear program, the dual of
@@ -32,7 +34,8 @@ namespace orasp {
 ///             exact value, which keeps the bound consistent.
 /// Reference.  Subgradients: Held and Karp (1971), Mathematical Programming 1, 6-25.
 /// Guarantee.  Never below what the cuts of a piece can gain.
-/// Cost.       O(connected sets of three parts) once, and half a second at most for the subgradients;
+/// Cost.       O(connected sets of three parts) once, and half a second at most for the
+/// subgradients;
 ///             O(parts) a piece.
 /// Limit.      Not known where an objective sees more of a cut than what it moves.
 class PiecePrices {
@@ -54,8 +57,8 @@ class PiecePrices {
   bool known_ = false;
   /// The price of each part.
   std::vector<double> prices_;
-  /// The exact values of connected sets of two and three parts, by a number for the set. Empty where
-  /// only the simple prices are used.
+  /// The exact values of connected sets of two and three parts, by a number for the set. Empty
+  /// where only the simple prices are used.
   std::unordered_map<std::uint64_t, double> small_;
 };
 

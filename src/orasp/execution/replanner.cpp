@@ -40,12 +40,14 @@ struct Replanner::Held {
   std::vector<double> values;
   double seconds = 0;
 
-  // Of one query: the states reached, layer by layer, and where each stands among them.
+  // The scratch memory of a query. The states that it has reached, layer by layer; where the layers
+  // begin; and the best reward still to come from each state reached.
   std::vector<StateId> reached;
   std::vector<std::size_t> layers;
-  std::vector<double> left;             ///< by place in `reached`: the best reward still to come
-  std::vector<std::uint32_t> query_of;  ///< by StateId: the last query that reached it
-  std::vector<std::uint32_t> place_of;  ///< by StateId
+  std::vector<double> left;
+  // By StateId: the last query that reached the state, and its place in `reached`.
+  std::vector<std::uint32_t> query_of;
+  std::vector<std::uint32_t> place_of;
   std::uint32_t query = 0;
 
   Held(Problem the_problem, const Situation& from_here)
@@ -63,8 +65,8 @@ struct Replanner::Held {
     seconds = watch.seconds();
   }
 
-  /// Takes over the H of `other` with rewards of its own. False, and `other` as it was, where that
-  /// does not do.
+  /// Takes over the H of `other` and gives it the rewards of this problem. Where that is not
+  /// possible, returns false and leaves `other` as it was.
   bool take_over(Held& other, const Budget& budget) {
     const Stopwatch watch;
     if (!other.graph || system.infeasibility() ||
@@ -85,7 +87,8 @@ struct Replanner::Held {
     return small(estimate_without_constraints(system)) || small(estimate_graph(system));
   }
 
-  /// Values and index of the graph; without them it is given up.
+  /// Works out the values and the index of the graph; where the budget does not suffice, the graph
+  /// is given up.
   void measure(const Budget& budget) {
     if (graph->stop() == Stop::None) {
       Result result = value_iteration(*graph, {}, budget);
@@ -100,7 +103,8 @@ struct Replanner::Held {
     graph.reset();
   }
 
-  /// Everything that is open is accessible and in time: values are there.
+  /// Answers where everything that is open is accessible and in time: the values of H are then
+  /// right.
   void read_off(StateId from, const ConnectionSet& not_next, Result& result) const {
     StateId state = from;
     double total = 0;
@@ -346,7 +350,7 @@ Result Replanner::plan(const Budget& budget) {
     result.bound = result.reward;
   } else {
     const Statistics statistics = result.statistics;
-    const auto reason = detail::settled(TransitionSystem(held.problem, now), kMethod);
+    const auto reason = detail::infeasible_at_once(TransitionSystem(held.problem, now), kMethod);
     result = reason ? *reason : detail::exhausted(kMethod, statistics);
   }
   result.statistics.seconds = watch.seconds();

@@ -40,7 +40,8 @@ struct ReplannerOptions {
 ///             of H, but for the reward of the last step, which the rules give anew. After k of n
 ///             steps that are at most 2^(n - k - 1) states. Where H is too large, or the state is
 ///             none of H's, `auto` solves the problem that is left. Where attempts may fail, the
-///             stochastic shortest path of what is left is solved anew (planners/uncertain_value_iteration.h).
+///             stochastic shortest path of what is left is solved anew
+/// (planners/uncertain_value_iteration.h).
 /// Reference.  The paper, section on replanning; Bellman (1957).
 /// Guarantee.  Status, bound and reward are those of solving the problem that is left from the
 ///             beginning. With H held always Optimal or Infeasible.
@@ -96,7 +97,8 @@ class Replanner {
   [[nodiscard]] ConnectionSet unreachable() const;
 
   ReplannerOptions options_;
-  std::vector<std::unique_ptr<Held>> held_;  ///< by limits, the one of now first
+  /// What is held for each of the last choices of limits, that of now first.
+  std::vector<std::unique_ptr<Held>> held_;
   ConnectionSet open_;
   ConnectionSet inaccessible_;
   ConnectionSet not_next_;

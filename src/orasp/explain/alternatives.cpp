@@ -44,8 +44,10 @@ bool has_plan(const StateGraph& graph, std::span<const double> values) {
 
 /// A plan that leaves plan `from` at step `step` by `action` and then follows V.
 struct Departure {
-  double steps_of_loss;  ///< in units of the tolerance, rounded: what differs less is equal
-  std::uint64_t number;  ///< in order of discovery
+  /// The loss in units of the tolerance, rounded: losses that differ by less are equal.
+  double steps_of_loss;
+  /// The place in the order of discovery.
+  std::uint64_t number;
   double loss;
   std::size_t from;
   std::size_t step;

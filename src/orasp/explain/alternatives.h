@@ -14,14 +14,18 @@ namespace orasp {
 /// One of the best plans.
 struct Alternative {
   double reward = 0;
-  std::vector<ConnectionIndex> sequence;  ///< in the order of the problem's direction
+  /// The connections in the order of the direction of the problem.
+  std::vector<ConnectionIndex> sequence;
 };
 
 /// What H holds beside one optimal plan. Empty: not asked for, or not reached within the budget.
 struct Alternatives {
-  std::optional<std::string> optimal_sequences;   ///< decimal digits
-  std::optional<std::vector<Alternative>> plans;  ///< best first
-  Stop stop = Stop::None;                         ///< what ended the work early
+  /// The number of optimal sequences in decimal digits.
+  std::optional<std::string> optimal_sequences;
+  /// The best plans, the very best first.
+  std::optional<std::vector<Alternative>> plans;
+  /// What ended the work early, if anything did.
+  Stop stop = Stop::None;
 };
 
 /// Losses up to this are rounding: kRewardTolerance, or where rewards are so large that sums of

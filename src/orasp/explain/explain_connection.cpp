@@ -179,8 +179,8 @@ Feasibility order_from(const Problem& problem, const ConnectionSet& open, const 
   return found;
 }
 
-/// How many of `steps` lead to the first state in which `connection` is legal; empty where they end,
-/// or are not legal themselves, before that.
+/// How many of `steps` lead to the first state in which `connection` is legal; empty where they
+/// end, or are not legal themselves, before that.
 std::optional<std::size_t> steps_until_legal(Expander& expander, ConnectionSet state,
                                              std::span<const ConnectionIndex> steps,
                                              ConnectionIndex connection) {

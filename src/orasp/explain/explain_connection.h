@@ -44,8 +44,8 @@ struct ConnectionExplanation {
   std::vector<Violation> violations;
   /// One for each violation, in the same order.
   std::vector<Remedy> remedies;
-  /// If legal: whether a plan exists that goes on with it. Empty where the budget did not suffice to
-  /// decide that.
+  /// If legal: whether a plan exists that goes on with it. Empty where the budget did not suffice
+  /// to decide that.
   std::optional<bool> plan_exists;
 
   enum class Later { Legal, Never, Unknown };

@@ -348,8 +348,8 @@ ConflictItem described(const Problem& problem, const Unit& unit,
           in_quotes(entry.part) + " cannot leave " + in_quotes(entry.by) + " along " + directions};
 }
 
-/// The explanation of a problem that has a plan, but for connections that cannot be next or wait for
-/// a late part: greedy says whether they alone rule one out.
+/// The explanation of a problem that has a plan, but for connections that cannot be next or wait
+/// for a late part: greedy says whether they alone rule one out.
 ProblemExplanation explain_order(const TransitionSystem& system, const Situation& situation,
                                  const Budget& budget) {
   ProblemExplanation explanation;
@@ -394,9 +394,9 @@ Units conflicting_entries(ConflictFinder& finder, const std::vector<Atom>& atoms
   const Units entries =
       ConflictFinder::joined(background, finder.halved(background, false, candidates));
 
-  // Which ids and which directions inside the entries matter. A test that is not decided here leaves
-  // a word too many in a sentence, but no constraint too many in the conflict: it must not change
-  // what is said of the conflict.
+  // Which ids and which directions inside the entries matter. A test that is not decided here
+  // leaves a word too many in a sentence, but no constraint too many in the conflict: it must not
+  // change what is said of the conflict.
   background.clear();
   candidates.clear();
   for (const Unit& entry : entries) {

@@ -12,8 +12,11 @@ namespace orasp {
 /// plan.
 struct Ground {
   Constraint constraint = Constraint::Precedence;
-  std::string where;  ///< place in the problem file: "precedence[2]", "limits.max_moved_parts"
-  std::string disassembly;  ///< one sentence without its full stop; steps counted in this order
+  /// The place in the problem file, such as "precedence[2]" or "limits.max_moved_parts".
+  std::string where;
+  /// The reason as a sentence without its full stop, for a plan that takes apart and for one that
+  /// puts together; steps are counted in the order of each.
+  std::string disassembly;
   std::string assembly;
 };
 

@@ -28,10 +28,11 @@ class CutTree {
 
   struct Join {
     bool joins = false;
-    std::size_t top_a =
-        kNone;  ///< separator of either side's own first cut; kNone for a single part
+    /// The separators that cut the two sides first; kNone for a side that is a single part.
+    std::size_t top_a = kNone;
     std::size_t top_b = kNone;
-    int change = 0;  ///< of the number of subassemblies when the step is made forwards
+    /// By how much the number of subassemblies grows when the step is made forwards.
+    int change = 0;
   };
 
   /// Makes the connection of step `step` between two parts.
@@ -84,10 +85,13 @@ class CutTree {
   }
 
   std::vector<std::size_t> parent_;
-  std::vector<std::size_t> joined_at_;  ///< step of the link to the parent
-  std::vector<std::size_t> size_;       ///< of a root: parts
-  std::vector<std::size_t> top_;        ///< of a root: separator that cuts the whole piece
-  std::vector<std::size_t> most_;       ///< of a root: most subassemblies from cutting the piece
+  /// The step at which each part was linked to its parent.
+  std::vector<std::size_t> joined_at_;
+  /// For each root: how many parts its piece has, the separator that cuts the whole piece, and the
+  /// most subassemblies that cutting it can give.
+  std::vector<std::size_t> size_;
+  std::vector<std::size_t> top_;
+  std::vector<std::size_t> most_;
 };
 
 /// For each step the steps that must come before it, in disassembly order; repeats are possible.

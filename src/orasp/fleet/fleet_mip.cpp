@@ -25,9 +25,9 @@ enum class Goal {
 /// The program of one problem. States are 0 to `steps`, step t leads from state t - 1 to state t.
 /// In the last state all parts are in the depot. Names count parts, connections and directions from
 /// 1.
-class Builder {
+class FleetProgramBuilder {
  public:
-  Builder(const FleetProblem& fleet, Goal goal, std::size_t steps)
+  FleetProgramBuilder(const FleetProblem& fleet, Goal goal, std::size_t steps)
       : fleet_(fleet), problem_(fleet.problem()), goal_(goal), steps_(steps) {
     find_pieces();
     require_size();
@@ -569,7 +569,7 @@ class Run {
   }
 
   /// Takes the plan of a solution if the checker takes it.
-  bool take(const Builder& builder, const MipSolution& solution) {
+  bool take(const FleetProgramBuilder& builder, const MipSolution& solution) {
     FleetPlan plan = builder.plan(solution.values);
     const FleetEvaluation evaluation = evaluate(fleet_, plan);
     if (!evaluation.valid) {
@@ -589,7 +589,7 @@ class Run {
     for (std::size_t steps = (parts + fleet_.robots() - 1) / fleet_.robots(); steps <= allowed;
          ++steps) {
       result_.bound = 0.0 - static_cast<double>(steps);
-      Builder builder(fleet_, Goal::Plan, steps);
+      FleetProgramBuilder builder(fleet_, Goal::Plan, steps);
       const MipSolution solution = solve(builder.build(), false);
       if (solution.status == MipSolution::Status::Infeasible) continue;
       if (solution.values.empty()) {
@@ -609,7 +609,7 @@ class Run {
 
   Result travel(std::size_t steps) {
     result_.steps_allowed = steps;
-    Builder builder(fleet_, Goal::Travel, steps);
+    FleetProgramBuilder builder(fleet_, Goal::Travel, steps);
     const bool has_plan = result_.has_plan();  // of the fewest steps
     const MipSolution solution = solve(builder.build(), true);
     result_.stop = solution.stop;
@@ -650,7 +650,7 @@ std::size_t fleet_mip_horizon(const FleetProblem& fleet) {
 
 MipModel fleet_mip_model(const FleetProblem& fleet, std::size_t steps) {
   const bool travel = fleet.objective() == FleetObjective::Travel;
-  return Builder(fleet, travel ? Goal::Travel : Goal::Makespan, steps).build();
+  return FleetProgramBuilder(fleet, travel ? Goal::Travel : Goal::Makespan, steps).build();
 }
 
 Result fleet_mip(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {

@@ -14,8 +14,8 @@ namespace orasp {
 
 namespace {
 
-/// The memory to hold H and one number for each state, and the keys of the largest layer while it is
-/// merged.
+/// The memory to hold H and one number for each state, and the keys of the largest layer while it
+/// is merged.
 double graph_bytes(const TransitionSystem& system, double states, double actions,
                    double widest_layer_actions) {
   const double key = 8.0 * static_cast<double>(system.words());

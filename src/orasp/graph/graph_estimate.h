@@ -21,10 +21,10 @@ struct GraphEstimate {
 /// Estimates the size of H without building it, in milliseconds.
 ///
 /// Idea.       Layer by layer, N(k+1) = N(k) * b(k) / p(k+1), where b is the mean number of legal
-///             actions of sampled states of layer k, and p the mean number of legal ways into sampled
-///             states of layer k + 1: both count the actions between the two layers.
-/// Guarantee.  Exact without constraints; the same numbers in every run. Elsewhere they may be off by
-///             a factor of two or so.
+///             actions of sampled states of layer k, and p the mean number of legal ways into
+///             sampled states of layer k + 1: both count the actions between the two layers.
+/// Guarantee.  Exact without constraints; the same numbers in every run. Elsewhere they may be off
+///             by a factor of two or so.
 [[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system);
 
 /// Whether the problem states no constraint, so that every subset of the connections is a state.

@@ -18,10 +18,12 @@ struct GraphSize {
   std::uint64_t states = 0;
   std::uint64_t actions = 0;
   std::vector<LayerSize> layers;
-  std::uint64_t dead_ends = 0;  ///< states other than the goal without a legal action
-  std::string tree_nodes;  ///< nodes of H~: legal sequences from the start, partial ones and the
-                           ///< empty one counted
-  std::string sequences;   ///< legal sequences from the start to the goal
+  /// The number of states other than the goal that have no legal action.
+  std::uint64_t dead_ends = 0;
+  /// The nodes of H~: the legal sequences from the start, partial ones and the empty one counted.
+  std::string tree_nodes;
+  /// The legal sequences from the start to the goal.
+  std::string sequences;
 };
 
 /// Counts H~ on H without building it: the number of paths to a state is the sum over its

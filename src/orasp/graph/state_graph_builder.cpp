@@ -35,8 +35,8 @@ std::size_t shards_for(std::size_t actions) {
 // rewards), then its successors are merged into the next layer in one of two ways.
 //
 // By rank, where the reached states are a fair part of all subsets of their size: a table over the
-// subsets' ranks (containers/subset_rank.h) marks those that occur, is counted through, and translates
-// ranks into numbers. No hashing, and without constraints not even a miss.
+// subsets' ranks (containers/subset_rank.h) marks those that occur, is counted through, and
+// translates ranks into numbers. No hashing, and without constraints not even a miss.
 //
 // By hash elsewhere, in passes that each run in parallel: scatter the successors' keys to one list
 // for each shard; number each shard's keys, in the order of the layer, in a hash table of its own,
@@ -71,7 +71,8 @@ class StateGraphBuilder {
     /// The rewards themselves; used instead of their numbers once there are too many to number.
     detail::GrowingArray<double> reward_values;
     detail::ValueNumbers values;
-    /// The keys of the successors that fall to each shard, and the numbers that the shard gave them.
+    /// The keys of the successors that fall to each shard, and the numbers that the shard gave
+    /// them.
     std::vector<detail::GrowingArray<std::uint64_t>> keys;
     std::vector<detail::GrowingArray<StateId>> numbers;
     /// The shard that the successor of each action falls to.
@@ -141,8 +142,8 @@ class StateGraphBuilder {
     graph_.rewards_.reserve(actions);
   }
 
-  // Writes the actions of the layer from state `begin` on to `runs`, and their number for each state
-  // to the graph.
+  // Writes the actions of the layer from state `begin` on to `runs`, and their number for each
+  // state to the graph.
   void expand(std::vector<Run>& runs, std::size_t begin, std::size_t size, std::size_t most_actions,
               std::size_t threads) {
     const bool numbered = graph_.rewards_.numbered();

@@ -39,7 +39,8 @@ class StateIndex {
  private:
   static constexpr StateId kEmpty = std::numeric_limits<StateId>::max();
 
-  std::span<const std::uint64_t> states_;  ///< of the graph, words_ each
+  /// The states of the graph, words_ words each.
+  std::span<const std::uint64_t> states_;
   std::size_t words_;
   std::size_t mask_;
   detail::GrowingArray<StateId> slots_;

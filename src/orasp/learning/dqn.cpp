@@ -539,8 +539,10 @@ class Trainer {
   Training training_;
   const Stopwatch* watch_ = nullptr;
   Stop stop_ = Stop::None;
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> told_;  ///< episodes, updates
-  double greedy_ = -kInfinity;                                   ///< of the round's first episode
+  /// The episodes and updates of the last record.
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> told_;
+  /// What the first episode of the round earned, which acts greedily.
+  double greedy_ = -kInfinity;
   std::uint64_t steps_of_round_ = 0;
   // Scratch.
   std::vector<std::size_t> asking_;
@@ -570,7 +572,7 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
   check(options);
   Training training;
   Result first;
-  if (auto settled = detail::settled(system, "dqn")) {
+  if (auto settled = detail::infeasible_at_once(system, "dqn")) {
     first = *settled;
   } else {
     first = first_plan(system, budget);

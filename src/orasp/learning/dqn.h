@@ -71,7 +71,8 @@ struct DqnOptions {
 /// What training tells after every round of episodes. Rewards are -infinity until there is one.
 struct TrainingRecord {
   std::uint64_t episodes = 0;
-  std::uint64_t updates = 0;  ///< gradient steps
+  /// How many gradient steps were made.
+  std::uint64_t updates = 0;
   double epsilon = 0;
   /// Mean smooth L1 loss since the last record, in units of the network's numbers.
   double loss = 0;
@@ -81,23 +82,31 @@ struct TrainingRecord {
   double best_greedy = -kInfinity;
   /// The best plan of any episode.
   double best = -kInfinity;
-  std::optional<double> bound;  ///< no plan earns more
-  double seconds = 0;           ///< since training began, earlier runs included
+  /// The upper bound: no plan earns more.
+  std::optional<double> bound;
+  /// The time since training began, earlier runs included.
+  double seconds = 0;
 };
 
 struct Training {
   TrainedPolicy trained;
-  TrainingRecord record;  ///< the last
-  Result result;          ///< the best plan met
+  /// The last record.
+  TrainingRecord record;
+  /// The best plan that was met.
+  Result result;
   std::string device;
-  std::string warning;  ///< what slows training down here; empty if nothing does
+  /// What slows training down on this machine, a sentence; empty if nothing does.
+  std::string warning;
 };
 
 /// What training calls; each may be empty.
 struct TrainingHooks {
-  std::function<void(const TrainingRecord&)> log;  ///< after every round
-  std::function<void(const Training&)> save;       ///< with all there is, now and then
-  double save_every = 30;                          ///< s
+  /// Called after every round.
+  std::function<void(const TrainingRecord&)> log;
+  /// Called now and then, with all there is.
+  std::function<void(const Training&)> save;
+  /// The seconds between two calls of `save`.
+  double save_every = 30;
 };
 
 /// What train() learns the network towards, for steps of a replay buffer. A class of its own so

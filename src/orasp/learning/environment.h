@@ -16,8 +16,7 @@ void indicate(SetView open, std::span<float> indicator);
 /// Everything legal and earned comes from the TransitionSystem; this only keeps the episodes.
 ///
 /// Reference. The paper's Markov decision process; the interface is that of Gymnasium's vectorised
-/// environments (Towers et
-///            al. 2024, arXiv:2407.17032).
+///            environments (Towers et al. 2024, arXiv:2407.17032).
 /// Cost.      The actions of all episodes that moved are worked out together, when the first is
 ///            asked for: as Expander::for_each_expansion. Memory: O(episodes * connections).
 ///
@@ -75,10 +74,12 @@ class Environment {
   const TransitionSystem& system_;
   Expander expander_;
   std::size_t words_;
-  std::vector<std::uint64_t> states_;  ///< shape [episodes, words]
+  /// The states of all episodes, of shape [episodes, words].
+  std::vector<std::uint64_t> states_;
   std::vector<std::size_t> open_counts_;
   std::vector<std::vector<Action>> actions_;
-  std::vector<bool> stale_;  ///< by episode: its actions are not those of its state
+  /// For each episode, whether its actions are not yet those of its state.
+  std::vector<bool> stale_;
   std::vector<double> totals_;
   ConnectionSet forbidden_;
   std::vector<std::uint64_t> batch_;

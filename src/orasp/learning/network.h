@@ -13,16 +13,21 @@ namespace orasp {
 
 /// Shape and training of a value network.
 struct NetworkOptions {
-  std::size_t connections = 0;      ///< inputs and outputs
-  std::vector<std::size_t> hidden;  ///< units of each hidden layer
+  /// The number of inputs, and of outputs.
+  std::size_t connections = 0;
+  /// The number of units of each hidden layer.
+  std::vector<std::size_t> hidden;
   double learning_rate = 1e-3;
-  double target_rate =
-      0.01;  ///< how much of the network the target network takes over at every step
-  double gradient_clip = 100;  ///< each component of the gradient is cut to +- this
-  bool zero_outputs =
-      true;  ///< the last layer begins at 0, so that an untrained network prefers nothing
-  std::uint64_t seed = 1;       ///< of the initial weights
-  std::string device = "auto";  ///< auto (cuda where there is one), cpu, cuda
+  /// How much of the network the target network takes over at every step.
+  double target_rate = 0.01;
+  /// Each component of the gradient is cut to this size.
+  double gradient_clip = 100;
+  /// Whether the last layer begins at 0, so that an untrained network prefers nothing.
+  bool zero_outputs = true;
+  /// The seed of the initial weights.
+  std::uint64_t seed = 1;
+  /// "cpu", "cuda", or "auto": cuda where there is one.
+  std::string device = "auto";
 };
 
 /// A network that is trained, and its slow copy, the target network. Rows of `states` are indicator
@@ -56,7 +61,8 @@ class Network {
   [[nodiscard]] virtual std::vector<float> state() const = 0;
   /// @throws InputError if it is not of this shape.
   virtual void restore(std::span<const float> state) = 0;
-  [[nodiscard]] virtual std::string device() const = 0;  ///< "cpu", "cuda"
+  /// The device that is used: "cpu" or "cuda".
+  [[nodiscard]] virtual std::string device() const = 0;
   /// What slows training down on this machine, a sentence; empty if nothing does.
   [[nodiscard]] virtual std::string warning() const = 0;
 };

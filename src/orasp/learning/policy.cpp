@@ -98,7 +98,7 @@ Result follow_policy(const TransitionSystem& system, const Policy& policy,
 }
 
 Result follow_policy(const TransitionSystem& system, const Policy& policy, const Budget& budget) {
-  if (auto result = detail::settled(system, "dqn")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "dqn")) return *result;
   Result result = follow_policy(system, policy, system.start(),
                                 ConnectionSet(system.num_connections()), budget);
   if (result.status == Status::Feasible) detail::judge_by(detail::bound_of_start(system), result);

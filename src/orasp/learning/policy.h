@@ -18,8 +18,10 @@ namespace orasp {
 struct DenseLayer {
   std::size_t inputs = 0;
   std::size_t outputs = 0;
-  std::vector<float> weights;  ///< shape [inputs, outputs]
-  std::vector<float> bias;     ///< shape [outputs]
+  /// The weights, of shape [inputs, outputs].
+  std::vector<float> weights;
+  /// One number for each output.
+  std::vector<float> bias;
 };
 
 /// What training leaves: a network that says for each open connection what handling it next is
@@ -33,8 +35,11 @@ struct DenseLayer {
 /// up to a number that all actions of a state share.
 struct Policy {
   std::vector<DenseLayer> layers;
-  double scale = 1;          ///< > 0
-  bool adds_reward = false;  ///< the network was trained on what comes after the step's own reward
+  /// A positive number.
+  double scale = 1;
+  /// Whether the network was trained on what comes after a step, so that the reward of the step
+  /// itself is added.
+  bool adds_reward = false;
 
   [[nodiscard]] std::size_t num_connections() const {
     return layers.empty() ? 0 : layers.front().inputs;
@@ -50,19 +55,25 @@ struct TrainingState {
   std::uint64_t steps = 0;
   std::uint64_t updates = 0;
   double seconds = 0;
-  double scale = 1;  ///< of the network's numbers, in units of reward
-  std::vector<double>
-      baseline;  ///< mean rest of random episodes by open connections; shape [connections + 1]
+  /// What one unit of the numbers of the network is in units of reward.
+  double scale = 1;
+  /// The mean of what random episodes still earned, by the number of open connections; of shape
+  /// [connections + 1].
+  std::vector<double> baseline;
   std::vector<std::size_t> hidden;
   bool known_reward = true;
-  std::uint64_t random = 0;           ///< state of the random numbers
-  std::vector<ConnectionIndex> best;  ///< the best plan of any episode
-  std::vector<float> network;         ///< Network::state()
+  /// The state of the random numbers.
+  std::uint64_t random = 0;
+  /// The best plan of any episode.
+  std::vector<ConnectionIndex> best;
+  /// What Network::state() gave.
+  std::vector<float> network;
 };
 
 /// The outcome of a training.
 struct TrainedPolicy {
-  Policy policy;  ///< the best met; no layers where training was stopped before the first
+  /// The best policy that was met. It has no layers where training was stopped before the first.
+  Policy policy;
   /// What the plan earns that it makes from the start; -infinity where none was found soon.
   double reward = -kInfinity;
   TrainingState training;

@@ -61,7 +61,8 @@ class Learner {
  private:
   struct Entry {
     double reward;
-    double value;  ///< Q: never below the truth
+    /// Q, which is never below the truth.
+    double value;
     ConnectionIndex connection;
   };
   struct Taken {
@@ -156,8 +157,8 @@ class Learner {
     return result_.stop == Stop::None;
   }
 
-  static constexpr std::uint64_t kLook =
-      256;  ///< expansions from one look at the budget to the next
+  /// How many states are expanded from one look at the budget to the next.
+  static constexpr std::uint64_t kLook = 256;
 
   const TransitionSystem& system_;
   Expander expander_;
@@ -166,7 +167,8 @@ class Learner {
   SplitMix64 random_;
   Result& result_;
   detail::StateTable<0> table_;
-  detail::GrowingArray<std::size_t> first_;  ///< by state: its first entry
+  /// For each state, its first entry.
+  detail::GrowingArray<std::size_t> first_;
   detail::GrowingArray<Entry> entries_;
   std::vector<double> rests_;
   std::vector<Taken> path_;
@@ -177,7 +179,7 @@ class Learner {
 Result q_learning(const TransitionSystem& system, const QLearningOptions& options,
                   const Budget& budget) {
   const Stopwatch watch;
-  if (auto result = detail::settled(system, "q-learning")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "q-learning")) return *result;
   Result result;
   result.method = "q-learning";
   if (system.num_steps() == 0) {
@@ -189,7 +191,8 @@ Result q_learning(const TransitionSystem& system, const QLearningOptions& option
     Learner(system, options, budget, *bound, result).run();
     if (result.stop != Stop::None && !result.has_plan()) {
       const std::optional<double> most = result.bound;
-      result = detail::stopped(system, "q-learning", result.stop, result.statistics);
+      result =
+          detail::stopped_with_quick_plan(system, "q-learning", result.stop, result.statistics);
       result.bound = most;
     } else if (result.status == Status::Infeasible) {
       result = detail::exhausted("q-learning", result.statistics);

@@ -10,8 +10,10 @@
 namespace orasp {
 
 struct QLearningOptions {
-  std::uint64_t seed = 1;             ///< of the choice among equally promising actions
-  BoundKind bound = BoundKind::Best;  ///< where the values start
+  /// The seed of the choice among equally promising actions.
+  std::uint64_t seed = 1;
+  /// The bound at which the values start.
+  BoundKind bound = BoundKind::Best;
 };
 
 /// Tabular Q-learning: episodes from the start, each of which learns from what it met.

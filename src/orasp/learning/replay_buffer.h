@@ -19,12 +19,17 @@ class ReplayBuffer {
  public:
   /// One step of an episode that is over.
   struct Step {
-    std::uint32_t connection = 0;  ///< handled
-    std::uint32_t num_open = 0;    ///< before the step
-    std::uint32_t left = 0;        ///< steps of its episode after it
-    bool dead_end = false;         ///< the episode ended with connections left
+    /// The connection that was handled.
+    std::uint32_t connection = 0;
+    /// How many connections were open before the step.
+    std::uint32_t num_open = 0;
+    /// How many steps its episode had after it.
+    std::uint32_t left = 0;
+    /// Whether the episode ended with connections left.
+    bool dead_end = false;
     double reward = 0;
-    double rest = 0;  ///< rewards of the episode from this step on
+    /// What the episode earned from this step on.
+    double rest = 0;
   };
 
   /// Room for `capacity` steps, at least 1.
@@ -74,10 +79,13 @@ class ReplayBuffer {
   std::size_t capacity_;
   std::size_t connections_;
   std::size_t words_;
-  std::size_t next_ = 0;  ///< where the next step goes
+  /// Where the next step goes.
+  std::size_t next_ = 0;
   std::vector<Step> steps_;
-  std::vector<std::uint64_t> states_;  ///< shape [capacity, words]
-  std::vector<float> rewards_;         ///< shape [capacity, connections]
+  /// The states, of shape [capacity, words], and the rewards of their legal actions, of shape
+  /// [capacity, connections].
+  std::vector<std::uint64_t> states_;
+  std::vector<float> rewards_;
 };
 
 }  // namespace orasp

@@ -14,7 +14,8 @@ namespace orasp {
 
 namespace {
 
-/// One addend of the objective, and the rules of a problem that has no other.
+/// One objective of those that a weighted sum adds up, with its weight. An objective that is no sum
+/// is a leaf of weight 1.
 struct Leaf {
   double weight;
   Objective objective;
@@ -35,11 +36,12 @@ std::vector<Leaf> leaves_of(const Objective& objective) {
   return leaves;
 }
 
-/// The program of one problem. Steps are those of disassembly, t = 1 to n; after step t the state t
-/// is reached, state 0 is the first. Names count from 1.
-class Builder {
+/// Builds the integer program of one problem. Steps are those of disassembly, t = 1 to n. Step t
+/// leads from state t - 1 to state t; state 0 is the first. The names of rows and columns count
+/// from 1.
+class ProgramBuilder {
  public:
-  explicit Builder(const TransitionSystem& system)
+  explicit ProgramBuilder(const TransitionSystem& system)
       : system_(system),
         problem_(system.problem()),
         assembly_(problem_.direction() == Direction::Assembly),
@@ -390,20 +392,22 @@ class Builder {
     }
   }
 
-  /// What only keeps leaves a path between its parts: one unit flows from the first to the second
-  /// over what is there.
+  /// A removal that separates nothing must leave another path between its two parts. The rows say
+  /// so by a flow: one unit flows from the first part to the second over the connections that are
+  /// there.
   void add_paths() {
-    std::vector<ConnectionIndex> kept;
+    std::vector<ConnectionIndex> without_cut;
     for (const ConnectionIndex c : removable_) {
-      if (can_keep(c) && problem_.ends(c)[0] != problem_.ends(c)[1]) kept.push_back(c);
+      if (can_keep(c) && problem_.ends(c)[0] != problem_.ends(c)[1]) without_cut.push_back(c);
     }
-    if (kept.empty()) return;
+    if (without_cut.empty()) return;
     for (std::size_t t = 1; t <= n_; ++t) {
-      std::map<PartIndex, MipSum>
-          surplus;  // by part: what flows out, less what flows in and what begins there
+      // For each part, what flows out of it less what flows in and what begins there.
+      std::map<PartIndex, MipSum> surplus;
       for (const ConnectionIndex c : present_) {
         const auto& [u, v] = problem_.ends(c);
-        if (u == v || !can_keep(c)) continue;  // what always cuts lies on no way around
+        // A connection whose removal always separates lies on no other path.
+        if (u == v || !can_keep(c)) continue;
         const MipColumn along = model_.add_continuous(mip_name("flow", c + 1, 1, t), 1);
         const MipColumn back = model_.add_continuous(mip_name("flow", c + 1, 2, t), 1);
         surplus[u].add(along, 1).add(back, -1);
@@ -412,7 +416,7 @@ class Builder {
         there.add(along, 1).add(back, 1);
         model_.add_row(mip_name("way", c + 1, t), there, MipSense::AtMost, 1);
       }
-      for (const ConnectionIndex c : kept) {
+      for (const ConnectionIndex c : without_cut) {
         surplus[problem_.ends(c)[0]].add(keep(c, t), -1);
         surplus[problem_.ends(c)[1]].add(keep(c, t), 1);
       }
@@ -653,8 +657,8 @@ void require_applicable(const TransitionSystem& system) {
 }
 
 /// The plan of a solution, judged by the rules.
-void take_plan(const TransitionSystem& system, const Builder& builder, const MipSolution& solution,
-               Result& result) {
+void take_plan(const TransitionSystem& system, const ProgramBuilder& builder,
+               const MipSolution& solution, Result& result) {
   std::vector<ConnectionIndex> order = builder.order(solution.values);
   if (system.problem().direction() == Direction::Assembly) std::ranges::reverse(order);
   Expander expander(system);
@@ -707,13 +711,13 @@ std::optional<std::string> mip_obstacle(const TransitionSystem& system) {
 
 MipModel mip_model(const TransitionSystem& system) {
   require_applicable(system);
-  return Builder(system).build();
+  return ProgramBuilder(system).build();
 }
 
 Result mip(const TransitionSystem& system, const Budget& budget) {
   const Stopwatch watch;
   require_applicable(system);
-  if (auto result = detail::settled(system, "mip")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "mip")) return *result;
   Result result;
   result.method = "mip";
   if (system.num_steps() == 0) {
@@ -723,7 +727,7 @@ Result mip(const TransitionSystem& system, const Budget& budget) {
     return result;
   }
   const std::unique_ptr<MipSolver> solver = make_mip_solver();
-  Builder builder(system);
+  ProgramBuilder builder(system);
   const MipModel model = builder.build();
   result.statistics.peak_bytes = model.bytes();
   MipSettings settings;
@@ -748,7 +752,7 @@ Result mip(const TransitionSystem& system, const Budget& budget) {
   if (result.stop != Stop::None && !result.has_plan()) {
     const std::optional<double> bound =
         std::isfinite(solution.bound) ? std::optional(0.0 - solution.bound) : std::nullopt;
-    result = detail::stopped(system, "mip", result.stop, result.statistics);
+    result = detail::stopped_with_quick_plan(system, "mip", result.stop, result.statistics);
     if (bound && result.has_plan()) result.bound = std::max(*bound, result.reward);
   }
   result.statistics.seconds = watch.seconds();

@@ -16,11 +16,11 @@ namespace orasp {
 
 namespace {
 
-/// kWords as in StateTable.
+/// The search of a_star(). kWords is that of its StateTable.
 template <std::size_t kWords>
-class Search {
+class AStarSearch {
  public:
-  Search(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
+  AStarSearch(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
       : system_(system),
         expander_(system),
         bound_(bound),
@@ -40,7 +40,8 @@ class Search {
       std::ranges::pop_heap(open_.span(), later);
       const Open next = open_.back();
       open_.resize(open_.size() - 1);
-      if (closed_[next.state] != 0) continue;  // met again by a better path since
+      // A state stands in the heap once for each path by which it was met; the best came first.
+      if (closed_[next.state] != 0) continue;
       closed_[next.state] = 1;
       if (next.depth == system_.num_steps()) {
         finish(next.state);
@@ -56,11 +57,12 @@ class Search {
 
  private:
   struct Open {
-    std::int64_t promise;  ///< f in ticks
+    /// f, in units of tick_.
+    std::int64_t promise;
     std::uint32_t state;
     std::uint32_t depth;
   };
-  /// For a heap with the best on top.
+  /// The order of a heap with the best on top: the greatest promise, then the deepest state.
   static bool later(const Open& a, const Open& b) {
     if (a.promise != b.promise) return a.promise < b.promise;
     if (a.depth != b.depth) return a.depth < b.depth;
@@ -92,7 +94,8 @@ class Search {
   void expand(const Open& from) {
     ++result_.statistics.expanded;
     if (result_.statistics.expanded % look_ == 0 || budget_.max_expansions < look_) {
-      // Before it is taken: what the states generated to the next look may need at most.
+      // Memory is judged before it is taken: by what the states that are generated until the next
+      // look may need at most.
       const std::uint64_t more = look_ * system_.num_connections();
       const std::uint64_t soon = bytes() - table_.bytes() + table_.bytes_with(more) +
                                  more * (sizeof(double) + sizeof(std::uint16_t) + 1 + sizeof(Open));
@@ -100,7 +103,8 @@ class Search {
           soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
       budget_.report(
           {.phase = "search", .done = result_.statistics.expanded, .states = table_.size()});
-      if (result_.stop != Stop::None) {  // it is still open, for the bound
+      if (result_.stop != Stop::None) {
+        // The state was not expanded, so what it promises still counts for the bound.
         open_.push_back(from);
         std::ranges::push_heap(open_.span(), later);
         return;
@@ -146,10 +150,14 @@ class Search {
   const Budget& budget_;
   std::uint64_t allowed_;
   Result& result_;
+  /// Promises that differ by less than this are equal.
   double tick_ = 1;
-  std::uint64_t look_;  ///< expansions from one look at the budget to the next
+  /// How many states are expanded from one look at the budget to the next.
+  std::uint64_t look_;
   detail::StateTable<kWords> table_;
-  detail::GrowingArray<double> reward_;  ///< from the start, by state
+  /// By state: the best reward from the start, the connection that was handled last on that path,
+  /// and whether the state was expanded.
+  detail::GrowingArray<double> reward_;
   detail::GrowingArray<std::uint16_t> by_;
   detail::GrowingArray<unsigned char> closed_;
   detail::GrowingArray<Open> open_;
@@ -161,20 +169,20 @@ class Search {
 Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
   static_assert(kMaxConnections <= std::size_t{1} << 16);
   const Stopwatch watch;
-  if (auto result = detail::settled(system, "a-star")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "a-star")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
   if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
     throw Refusal("a-star", *reason);
   Result result;
   result.method = "a-star";
   if (system.words() == 1) {
-    Search<1>(system, *bound, budget, result).run();
+    AStarSearch<1>(system, *bound, budget, result).run();
   } else {
-    Search<0>(system, *bound, budget, result).run();
+    AStarSearch<0>(system, *bound, budget, result).run();
   }
   if (result.stop != Stop::None) {
     const std::optional<double> most = result.bound;
-    result = detail::stopped(system, "a-star", result.stop, result.statistics);
+    result = detail::stopped_with_quick_plan(system, "a-star", result.stop, result.statistics);
     result.bound = most;
   } else if (result.status != Status::Optimal) {
     result = detail::exhausted("a-star", result.statistics);

@@ -29,8 +29,8 @@ struct AndOrOptions {
 ///             exponentially fewer than the states of H, where every piece stands beside every
 ///             state of the others.
 /// Idea.       Depth first with a memory. Loss L(S) = g(S) - V(S) >= 0 against the bound g of
-///             bounds/piece_gains.h; a cut is followed only while its own loss and the lower bounds on
-///             the losses of its sides stay within a budget, which grows from 0 at the root
+///             bounds/piece_gains.h; a cut is followed only while its own loss and the lower bounds
+///             on the losses of its sides stay within a budget, which grows from 0 at the root
 ///             (iterative deepening); sizes of A that lose more are never listed. Within
 ///             max_subassemblies one side is finished before the other is begun, which needs the
 ///             fewest at a time (Sethi and Ullman 1970), so a memory entry is a set of parts and

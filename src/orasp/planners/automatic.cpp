@@ -188,7 +188,7 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
 
 Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
   const Stopwatch watch;
-  if (auto result = detail::settled(system, "auto")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
   Result result = chosen(system, budget);
   result.seed = seed;
   result.statistics.seconds = watch.seconds();

@@ -16,10 +16,11 @@ namespace orasp {
 
 namespace {
 
-class Search {
+/// The search of beam(): passes over the layers of H, each pass twice as wide as the one before.
+class BeamSearch {
  public:
-  Search(const TransitionSystem& system, const BeamOptions& options, const Budget& budget,
-         Result& result)
+  BeamSearch(const TransitionSystem& system, const BeamOptions& options, const Budget& budget,
+             Result& result)
       : system_(system),
         budget_(budget),
         words_(system.words()),
@@ -53,8 +54,8 @@ class Search {
     result_.statistics.peak_bytes = peak_bytes_;
   }
 
-  /// Whether the search came to its end: what it has is optimal, and if it has nothing there is
-  /// nothing.
+  /// Whether the search came to its end: then its plan is optimal, and where it has no plan there
+  /// is none.
   [[nodiscard]] bool done() const { return done_; }
 
  private:
@@ -63,7 +64,8 @@ class Search {
     double promise;
     double reward;
     double rest;
-    std::uint64_t hash;  ///< of the state
+    /// The hash of the state itself.
+    std::uint64_t hash;
     std::uint32_t parent;
     ConnectionIndex connection;
   };
@@ -113,7 +115,8 @@ class Search {
     }
     return true;
   }
-  /// Greater promise first; among equals as the hash has it.
+  /// The order of candidates: greater promise first. Among equals a hash decides, another one in
+  /// each pass, so that passes differ.
   [[nodiscard]] bool before(const Candidate& a, const Candidate& b) const {
     const double left = std::floor(a.promise / tick_ + 0.5);
     const double right = std::floor(b.promise / tick_ + 0.5);
@@ -124,7 +127,8 @@ class Search {
                         : std::pair(a.parent, a.connection) < std::pair(b.parent, b.connection);
   }
 
-  /// One pass; @returns the greatest promise that found no room, -infinity if everything did.
+  /// Runs one pass. Returns the greatest promise of a state that found no room in it; -infinity
+  /// where every state did.
   double pass(std::size_t width) {
     const std::size_t depth = system_.num_steps();
     double left_out = -kInfinity;
@@ -142,23 +146,24 @@ class Search {
       make_next_layer();
     }
     if (layer_.size() > 0) {
-      // One state is left at most: the goal.
+      // The only state of the last layer is the goal.
       if (layer_.rewards.front() > result_.reward || !result_.has_plan()) take_plan();
     }
     return left_out;
   }
 
-  // Fills kept_ with the best `width` of all successors.
+  // Fills survivors_ with the best `width` successors of the layer.
   double expand_layer(std::size_t width, bool last) {
     double left_out = -kInfinity;
-    kept_.clear();
+    survivors_.clear();
     slots_.assign(64, 0);
     const std::size_t size = layer_.size();
     const std::size_t threads = workers_.size();
-    constexpr std::size_t chunk = 1024;  // the same for any number of threads
+    // The same for any number of threads, so that the answer is the same.
+    constexpr std::size_t chunk = 1024;
     width_ = width;
     for (std::size_t begin = 0; begin < size; begin += chunk) {
-      const std::size_t kept_before = kept_.size();
+      const std::size_t survivors_before = survivors_.size();
       const std::size_t end = std::min(size, begin + chunk);
       const std::size_t used = end - begin < 4 * threads ? 1 : threads;
       detail::run_parallel(used, [&](std::size_t t) {
@@ -175,12 +180,12 @@ class Search {
         for (const Candidate& candidate : worker.found) merge(candidate);
         worker.found.clear();
       }
-      kept_grew_ = kept_.size() - kept_before;
-      if (kept_.size() > 2 * width) left_out = std::max(left_out, cut_down(width));
+      grew_by_ = survivors_.size() - survivors_before;
+      if (survivors_.size() > 2 * width) left_out = std::max(left_out, cut_down(width));
       poll();
       if (result_.stop != Stop::None) return left_out;
     }
-    if (kept_.size() > width) left_out = std::max(left_out, cut_down(width));
+    if (survivors_.size() > width) left_out = std::max(left_out, cut_down(width));
     return left_out;
   }
 
@@ -196,7 +201,7 @@ class Search {
         const double reward = layer_.rewards[i] + legal[a].reward;
         const double promise = reward + worker.rests[a];
         ++worker.generated;
-        // At the goal nothing is left to promise.
+        // The reward at the goal is no promise but a fact, so it needs no tolerance.
         if (bounded_ && result_.has_plan() && promise <= result_.reward + (last ? 0 : tick_)) {
           ++worker.pruned;
           continue;
@@ -209,10 +214,10 @@ class Search {
   }
 
   void merge(const Candidate& candidate) {
-    if (kept_.size() * 2 >= slots_.size()) index(slots_.size() * 4);
+    if (survivors_.size() * 2 >= slots_.size()) index(slots_.size() * 4);
     std::size_t i = mixed(candidate.hash) & (slots_.size() - 1);
     while (slots_[i] != 0) {
-      Candidate& other = kept_[slots_[i] - 1];
+      Candidate& other = survivors_[slots_[i] - 1];
       if (same_state(layer_, other, candidate)) {
         ++result_.statistics.pruned;
         if (candidate.reward > other.reward) {
@@ -223,40 +228,40 @@ class Search {
       }
       i = (i + 1) & (slots_.size() - 1);
     }
-    kept_.push_back(candidate);
-    slots_[i] = static_cast<std::uint32_t>(kept_.size());
+    survivors_.push_back(candidate);
+    slots_[i] = static_cast<std::uint32_t>(survivors_.size());
   }
   void index(std::size_t slots) {
     slots_.assign(slots, 0);
-    for (std::size_t k = 0; k < kept_.size(); ++k) {
-      std::size_t i = mixed(kept_[k].hash) & (slots - 1);
+    for (std::size_t k = 0; k < survivors_.size(); ++k) {
+      std::size_t i = mixed(survivors_[k].hash) & (slots - 1);
       while (slots_[i] != 0) i = (i + 1) & (slots - 1);
       slots_[i] = static_cast<std::uint32_t>(k + 1);
     }
   }
   double cut_down(std::size_t width) {
     const auto order = [this](const Candidate& a, const Candidate& b) { return before(a, b); };
-    std::nth_element(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(width), kept_.end(),
-                     order);
+    std::nth_element(survivors_.begin(), survivors_.begin() + static_cast<std::ptrdiff_t>(width),
+                     survivors_.end(), order);
     double left_out = -kInfinity;
-    for (std::size_t i = width; i < kept_.size(); ++i)
-      left_out = std::max(left_out, bounded_ ? kept_[i].promise : kInfinity);
-    kept_.resize(width);
+    for (std::size_t i = width; i < survivors_.size(); ++i)
+      left_out = std::max(left_out, bounded_ ? survivors_[i].promise : kInfinity);
+    survivors_.resize(width);
     // nth_element leaves an order of its own; what follows must not depend on it.
-    std::sort(kept_.begin(), kept_.end(), order);
+    std::sort(survivors_.begin(), survivors_.end(), order);
     index(slots_.size());
     return left_out;
   }
 
   void make_next_layer() {
     next_.clear();
-    next_.states.reserve(kept_.size() * words_);
-    next_.rewards.reserve(kept_.size());
-    next_.rests.reserve(kept_.size());
-    next_.hashes.reserve(kept_.size());
-    std::sort(kept_.begin(), kept_.end(),
+    next_.states.reserve(survivors_.size() * words_);
+    next_.rewards.reserve(survivors_.size());
+    next_.rests.reserve(survivors_.size());
+    next_.hashes.reserve(survivors_.size());
+    std::sort(survivors_.begin(), survivors_.end(),
               [this](const Candidate& a, const Candidate& b) { return before(a, b); });
-    for (const Candidate& candidate : kept_) {
+    for (const Candidate& candidate : survivors_) {
       const SetView parent = state_of(layer_, candidate.parent);
       next_.states.insert(next_.states.end(), parent.begin(), parent.end());
       next_.states[next_.size() * words_ + candidate.connection / 64] &=
@@ -283,7 +288,8 @@ class Search {
     }
   }
 
-  /// What `vector` holds, and the copy that it will be moved to if it soon has `size` items.
+  /// The memory that `vector` holds, and that of the copy that it moves to if it soon has `size`
+  /// items.
   template <class Item>
   [[nodiscard]] static std::uint64_t bytes_with(const std::vector<Item>& vector, std::size_t size) {
     const std::size_t held = vector.capacity();
@@ -291,18 +297,20 @@ class Search {
   }
 
   void poll() {
-    std::uint64_t bytes = taken_.capacity() * sizeof(Taken) + kept_.capacity() * sizeof(Candidate) +
+    std::uint64_t bytes = taken_.capacity() * sizeof(Taken) +
+                          survivors_.capacity() * sizeof(Candidate) +
                           slots_.capacity() * sizeof(std::uint32_t);
     for (const Layer* layer : {&layer_, &next_})
       bytes += layer->states.capacity() * 8 + layer->size() * 24;
     for (const Worker& worker : workers_) bytes += worker.found.capacity() * sizeof(Candidate);
     peak_bytes_ = std::max(peak_bytes_, bytes);
-    // Before it is taken: what the next chunk and the next layer may need. Tables grow by doubling,
-    // and for a moment both the old and the new one are there.
-    const std::size_t kept = kept_.size() + 2 * kept_grew_;
-    const std::size_t next = std::min(kept, width_);
-    std::uint64_t soon = bytes_with(taken_, taken_.size() + next) + bytes_with(kept_, kept) +
-                         bytes_with(slots_, kept * 2 < slots_.size() ? 0 : slots_.size() * 4) +
+    // Memory is judged before it is taken: by what the next chunk and the next layer may need.
+    // Tables grow by doubling, and for a moment both the old and the new one are there.
+    const std::size_t survivors = survivors_.size() + 2 * grew_by_;
+    const std::size_t next = std::min(survivors, width_);
+    std::uint64_t soon = bytes_with(taken_, taken_.size() + next) +
+                         bytes_with(survivors_, survivors) +
+                         bytes_with(slots_, survivors * 2 < slots_.size() ? 0 : slots_.size() * 4) +
                          bytes_with(next_.states, next * words_) + layer_.states.capacity() * 8 +
                          (layer_.size() + next_.rewards.capacity() + next) * 24;
     for (const Worker& worker : workers_) soon += worker.found.capacity() * sizeof(Candidate);
@@ -323,17 +331,23 @@ class Search {
   std::vector<Worker> workers_;
   bool bounded_ = false;
   bool done_ = false;
+  /// Promises that differ by less than this are equal.
   double tick_ = 1;
-  double proved_ = kInfinity;  ///< upper bound on any plan
+  /// The least upper bound on any plan that was proved.
+  double proved_ = kInfinity;
   std::uint64_t peak_bytes_ = 0;
-  std::size_t width_ = 1;      ///< of this pass
-  std::size_t kept_grew_ = 0;  ///< in the last chunk
+  /// How many states of a layer this pass keeps.
+  std::size_t width_ = 1;
+  /// How many survivors the last chunk added.
+  std::size_t grew_by_ = 0;
   Layer layer_;
   Layer next_;
-  std::vector<Candidate> kept_;
+  /// The best successors so far of the layer that is being expanded, and an index of them by hash.
+  std::vector<Candidate> survivors_;
   std::vector<std::uint32_t> slots_;
-  std::vector<Taken> taken_;         ///< layer after layer, from the first on
-  std::vector<std::size_t> begins_;  ///< of each layer in `taken_`
+  /// How each state of each layer was reached, layer after layer, and where the layers begin.
+  std::vector<Taken> taken_;
+  std::vector<std::size_t> begins_;
 };
 
 }  // namespace
@@ -341,13 +355,13 @@ class Search {
 Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
   static_assert(kMaxConnections <= std::size_t{1} << 16);
   const Stopwatch watch;
-  if (auto result = detail::settled(system, "beam")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "beam")) return *result;
   Result result;
   if (options.incumbent != nullptr && options.incumbent->has_plan()) result = *options.incumbent;
   result.method = "beam";
   result.stop = Stop::None;
   result.statistics = {};
-  Search search(system, options, budget, result);
+  BeamSearch search(system, options, budget, result);
   if (!search.bounded() && options.bound != BoundKind::Best)
     throw Refusal("beam", detail::unknown_bound(system, options.bound));
   search.run();
@@ -360,7 +374,7 @@ Result beam(const TransitionSystem& system, const BeamOptions& options, const Bu
     }
   } else if (!result.has_plan()) {
     const std::optional<double> most = result.bound;
-    result = detail::stopped(system, "beam", result.stop, result.statistics);
+    result = detail::stopped_with_quick_plan(system, "beam", result.stop, result.statistics);
     result.bound = most;
   }
   result.statistics.seconds = watch.seconds();

@@ -9,7 +9,8 @@ namespace orasp {
 
 struct BeamOptions {
   BoundKind bound = BoundKind::Best;
-  const Result* incumbent = nullptr;  ///< a plan to start from; must outlive the call
+  /// A plan to start from; it must outlive the call.
+  const Result* incumbent = nullptr;
 };
 
 /// Finds better and better plans by complete anytime beam search, of any objective and at any size.

@@ -14,7 +14,7 @@ Result bellman_ford(const StateGraph& graph, const BellmanFordOptions& options,
   // value is final before its own actions are relaxed: the first sweep settles all, the second
   // confirms it.
   const Stopwatch watch;
-  if (auto result = detail::settled(graph.system(), "bellman-ford")) return *result;
+  if (auto result = detail::infeasible_at_once(graph.system(), "bellman-ford")) return *result;
   Result result;
   result.method = "bellman-ford";
   result.statistics = detail::statistics_of(graph);

@@ -7,7 +7,8 @@
 namespace orasp {
 
 struct BellmanFordOptions {
-  bool keep_values = true;  ///< fill Result::values
+  /// Whether to fill Result::values.
+  bool keep_values = true;
 };
 
 /// Finds an optimal plan, and the best reward from the start to every state of H, by Bellman-Ford.

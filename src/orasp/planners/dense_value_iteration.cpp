@@ -5,7 +5,6 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -16,9 +15,9 @@
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/graph_estimate.h"
-#include "orasp/model/detail/connectivity.h"
 #include "orasp/model/error.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/forest_blocks.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
 
@@ -27,299 +26,36 @@ namespace orasp {
 namespace {
 
 constexpr const char* kMethod = "value-iteration";
-constexpr std::size_t kMostConnections = 40;        // 4 TiB of four-byte values
-constexpr std::size_t kMostConnectionsDouble = 28;  // 2 GiB of doubles
-constexpr std::size_t kWholeBlock = 10;             // so many connections or fewer are one block
+/// More connections would need more than 2 GiB of doubles.
+constexpr std::size_t kMostConnectionsDouble = 28;
+/// The states of so many connections or fewer are one block.
+constexpr std::size_t kLeastBlockBits = 10;
 constexpr std::size_t kMostBlockBits = 14;
-constexpr std::size_t kLaneBits = 5;
-constexpr std::size_t kLanes = std::size_t{1} << kLaneBits;
-constexpr std::uint64_t kPollEvery = 256;  // states between looks at the clock
+/// So many states are worked out between two looks at the clock.
+constexpr std::uint64_t kPollEvery = 256;
 
-/// Low bits of a mask that make a block.
+using detail::bit;
+using detail::dense_forest_of;
+using detail::DenseForest;
+using detail::Doubles;
+using detail::FixedPoint;
+using detail::ForestBlocks;
+using detail::kMostDenseConnections;
+using detail::Mask;
+
+/// How many low bits of a mask make a block.
 std::size_t block_bits(std::size_t connections) {
-  return connections <= kWholeBlock
+  return connections <= kLeastBlockBits
              ? connections
-             : std::min(kMostBlockBits, std::max(kWholeBlock, connections - 8));
+             : std::min(kMostBlockBits, std::max(kLeastBlockBits, connections - 8));
 }
 
-/// The table and the order of its blocks.
+/// The memory that the table of values and the order of its blocks take.
 double table_bytes(std::size_t connections, bool doubles) {
   return std::exp2(connections) *
              static_cast<double>(doubles ? sizeof(double) : sizeof(std::int32_t)) +
          std::exp2(connections - block_bits(connections)) * sizeof(std::uint32_t);
 }
-
-using Mask = std::uint64_t;
-
-Mask bit(std::size_t c) {
-  return Mask{1} << c;
-}
-
-// Number systems. take() turns a reward into a value, or says that it is too large; plus() is a
-// step before what is left; value() turns back.
-
-struct Doubles {
-  using Value = double;
-  static constexpr Value kNever = -kInfinity;
-
-  static Value rounded(double reward) { return reward; }
-  static double value(Value value) { return value; }
-  static bool holds(double, bool) { return true; }
-  static double error(double) { return 0; }
-  static Value plus(Value reward, Value left) { return reward + left; }
-};
-
-struct FixedPoint {
-  using Value = std::int32_t;
-  static constexpr Value kNever = std::numeric_limits<Value>::min();
-  /// No plan's sum is larger than this, in units: a sum and one more reward still fit.
-  static constexpr double kMostSum = (1 << 30) - 1024;
-  static constexpr double kLargestSum = 1e290;
-
-  double per_unit = 1;   ///< units in 1: a power of ten
-  double most_step = 0;  ///< greatest size of a reward
-  double most_last = 0;  ///< of the reward that completes
-
-  /// The finest unit for rewards of these sizes.
-  FixedPoint(std::size_t connections, double step, double last) {
-    const double sum = static_cast<double>(connections) * step + last;
-    if (sum > kLargestSum) {
-      // A unit in which forty of the largest doubles fit.
-      per_unit = 1e-302;
-      most_step = most_last = std::numeric_limits<double>::max();
-      return;
-    }
-    if (sum == 0) return;
-    int power = static_cast<int>(std::max(std::ceil(std::log10(sum / kMostSum)), -300.0));
-    while (sum > kMostSum * std::pow(10.0, power)) ++power;
-    per_unit = power <= 0 ? std::pow(10.0, -power) : 1 / std::pow(10.0, power);
-    const double room = kMostSum / (sum * per_unit);
-    most_step = step * room;
-    most_last = last * room;
-  }
-
-  [[nodiscard]] Value rounded(double reward) const {
-    const double units = reward * per_unit;
-    return static_cast<Value>(units + (units < 0 ? -0.5 : 0.5));
-  }
-  [[nodiscard]] double value(Value value) const { return value / per_unit; }
-  [[nodiscard]] bool holds(double reward, bool completes) const {
-    return std::abs(reward) <= (completes ? most_last : most_step);
-  }
-  [[nodiscard]] double error(double reward) const {
-    return std::abs(reward - value(rounded(reward)));
-  }
-  static Value plus(Value reward, Value left) { return left == kNever ? kNever : reward + left; }
-};
-
-// -------------------------------------------------------------------------------------------------
-
-/// What forest blocks need to know of the assembly. Slots as in AssemblyGraph::forest(), numbered
-/// anew: the edges in their order, then the roots that have an edge.
-struct Forest {
-  struct Edge {
-    ConnectionIndex connection;
-    std::uint32_t parent;  ///< slot
-    bool lower_is_a;       ///< the lower part is the connection's first
-  };
-  std::vector<Edge> edges;
-  std::size_t slots = 0;
-  std::vector<ConnectionIndex> loops;
-  bool assembly = false;
-};
-
-/// Empty where blocks must be worked out by Expander.
-std::optional<Forest> forest_of(const TransitionSystem& system) {
-  const Problem& problem = system.problem();
-  if (system.num_connections() < kLaneBits || !unconstrained(system) || !system.sees_sizes_only() ||
-      system.sees_starting_pieces())
-    return std::nullopt;
-  const detail::AssemblyGraph graph(problem);
-  if (!graph.is_forest()) return std::nullopt;
-  Forest forest;
-  forest.assembly = problem.direction() == Direction::Assembly;
-  forest.loops.assign(graph.loops().begin(), graph.loops().end());
-  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> slots(graph.num_slots(), kNone);
-  for (const auto& edge : graph.forest()) {
-    slots[edge.connection] = static_cast<std::uint32_t>(forest.slots++);
-  }
-  for (const auto& edge : graph.forest()) {
-    std::uint32_t& parent = slots[edge.parent_slot];
-    if (parent == kNone) parent = static_cast<std::uint32_t>(forest.slots++);
-    forest.edges.push_back(
-        {edge.connection, parent, problem.ends(edge.connection)[0] == edge.child});
-  }
-  return forest;
-}
-
-/// Values of forest blocks: 32 masks at once that differ in their lowest five bits. Below an edge
-/// and in its piece there are at most connections + 1 parts, so sizes are bytes, and two of them
-/// are the index of a table of rewards. One for each thread.
-template <class Numbers>
-class ForestBlocks {
- public:
-  using Value = typename Numbers::Value;
-
-  /// More than the parts of any piece.
-  static constexpr std::size_t kStride = 64;
-  static_assert(kMostConnections + 1 < kStride);
-
-  ForestBlocks(const Forest& forest, const TransitionSystem& system, const Numbers& numbers)
-      : forest_(forest), below_(forest.slots), piece_(forest.slots) {
-    const std::size_t most = std::min(system.num_connections() + 1, system.problem().num_parts());
-    for (std::vector<Value>& table : rewards_) table.assign(kStride * kStride, Value{});
-    const auto reward = [&](std::size_t a, std::size_t b) {
-      const double exact = system.greatest_size_reward(a, b, false);
-      error_ = std::max(error_, numbers.error(exact));
-      return numbers.rounded(exact);
-    };
-    for (std::size_t all = 2; all <= most; ++all) {
-      for (std::size_t below = 1; below < all; ++below) {
-        rewards_[0][below * kStride + all] = reward(all - below, below);
-        rewards_[1][below * kStride + all] = reward(below, all - below);
-      }
-    }
-    if (!forest.loops.empty()) loop_reward_ = reward(0, 0);
-    Expander expander(system);
-    for (ConnectionIndex c = 0; c < system.num_connections(); ++c) {
-      const Mask alone = bit(c);
-      const double exact = expander.legal_actions(SetView(&alone, 1)).front().reward;
-      error_ = std::max(error_, numbers.error(exact));
-      last_.push_back(numbers.rounded(exact));
-    }
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      all_[l] = 0xff;
-      none_[l] = 0;
-      for (std::size_t c = 0; c < kLaneBits; ++c) {
-        const bool open = (l >> c & 1U) != 0;
-        low_[c][l] = open != forest.assembly ? 0xff : 0;
-      }
-    }
-  }
-
-  /// Greatest difference between a reward and its value.
-  [[nodiscard]] double error() const { return error_; }
-
-  /// Masks first .. first + size - 1, ascending; both are multiples of 32.
-  void work_out(Mask first, Mask size, Value* values) {
-    for (Mask mask = first; mask < first + size; mask += kLanes) work_out(mask, values);
-  }
-
- private:
-  using Bytes = std::array<std::uint8_t, kLanes>;
-
-  static void look_up(const Value* table, const std::array<std::uint16_t, kLanes>& places,
-                      std::array<Value, kLanes>& rewards) {
-#pragma GCC unroll 16  // measured: quicker than 8 and than all 32
-    for (std::size_t l = 0; l < kLanes; ++l) rewards[l] = table[places[l]];
-  }
-
-  void work_out(Mask high, Value* values) {
-    measure(high);
-    std::array<Value, kLanes> best;
-    best.fill(Numbers::kNever);
-    std::array<std::array<Value, kLanes>, kLaneBits> low_rewards;
-    for (std::size_t e = 0; e < forest_.edges.size(); ++e) {
-      const Forest::Edge& edge = forest_.edges[e];
-      const bool is_low = edge.connection < kLaneBits;
-      if (!is_low && (high & bit(edge.connection)) == 0) continue;
-      std::array<std::uint16_t, kLanes> places;
-      const Bytes& below = below_[e];
-      const Bytes& above = piece_[edge.parent];
-      // An open connection is there in disassembly: the piece above is the whole of it. In assembly
-      // it is missing.
-      if (forest_.assembly) {
-        for (std::size_t l = 0; l < kLanes; ++l) {
-          places[l] = static_cast<std::uint16_t>(below[l] * kStride + below[l] + above[l]);
-        }
-      } else {
-        for (std::size_t l = 0; l < kLanes; ++l)
-          places[l] = static_cast<std::uint16_t>(below[l] * kStride + above[l]);
-      }
-      const Value* const table = rewards_[edge.lower_is_a ? 1 : 0].data();
-      if (is_low) {
-        look_up(table, places, low_rewards[edge.connection]);
-        continue;
-      }
-      const Value* const left = values + (high ^ bit(edge.connection));
-      std::array<Value, kLanes> rewards;
-      look_up(table, places, rewards);
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        const Value sum = rewards[l] + left[l];
-        best[l] = best[l] < sum ? sum : best[l];
-      }
-    }
-    for (const ConnectionIndex c : forest_.loops) {
-      if (c < kLaneBits) {
-        low_rewards[c].fill(loop_reward_);
-      } else if ((high & bit(c)) != 0) {
-        const Value* const left = values + (high ^ bit(c));
-        for (std::size_t l = 0; l < kLanes; ++l) {
-          best[l] = std::max<Value>(best[l], loop_reward_ + left[l]);
-        }
-      }
-    }
-    // Lanes among each other, ascending.
-    const bool lone = (high & (high - 1)) == 0;  // at most one high connection is open
-    if (lone)
-      best[0] = high == 0 ? Value{} : last_[static_cast<std::size_t>(std::countr_zero(high))];
-    for (std::size_t l = 1; l < kLanes; ++l) {
-      if (high == 0 && std::has_single_bit(l)) {
-        best[l] = last_[static_cast<std::size_t>(std::countr_zero(l))];
-        continue;
-      }
-      for (std::size_t c = 0; c < kLaneBits; ++c) {
-        if ((l >> c & 1U) != 0) {
-          best[l] = std::max<Value>(best[l], low_rewards[c][l] + best[l ^ (std::size_t{1} << c)]);
-        }
-      }
-    }
-    std::ranges::copy(best, values + high);
-  }
-
-  // Parts below each edge, then parts of each slot's piece.
-  void measure(Mask high) {
-    const Mask present = forest_.assembly ? ~high : high;
-    const auto mask_of = [&](ConnectionIndex c) -> const Bytes& {
-      return c < kLaneBits ? low_[c] : (present & bit(c)) != 0 ? all_ : none_;
-    };
-    std::memset(below_.data(), 1, below_.size() * sizeof(Bytes));
-    for (std::size_t e = forest_.edges.size(); e-- > 0;) {
-      const Forest::Edge& edge = forest_.edges[e];
-      const Bytes& mask = mask_of(edge.connection);
-      const Bytes& mine = below_[e];
-      Bytes& parent = below_[edge.parent];
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        parent[l] = static_cast<std::uint8_t>(parent[l] + (mine[l] & mask[l]));
-      }
-    }
-    for (std::size_t s = forest_.edges.size(); s < forest_.slots; ++s) piece_[s] = below_[s];
-    for (std::size_t e = 0; e < forest_.edges.size(); ++e) {
-      const Forest::Edge& edge = forest_.edges[e];
-      const Bytes& mask = mask_of(edge.connection);
-      const Bytes& mine = below_[e];
-      const Bytes& parent = piece_[edge.parent];
-      Bytes& piece = piece_[e];
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        piece[l] = static_cast<std::uint8_t>((parent[l] & mask[l]) | (mine[l] & ~mask[l]));
-      }
-    }
-  }
-
-  const Forest& forest_;
-  std::vector<Bytes> below_;                   ///< by slot
-  std::vector<Bytes> piece_;                   ///< by slot
-  std::array<std::vector<Value>, 2> rewards_;  ///< [lower side is A][below * kStride + both sides]
-  Value loop_reward_{};
-  std::vector<Value> last_;  ///< by connection: reward of the step that completes
-  Bytes all_;
-  Bytes none_;
-  std::array<Bytes, kLaneBits> low_;
-  double error_ = 0;
-};
-
-// -------------------------------------------------------------------------------------------------
 
 /// The order of work: masks are a block number above block_bits low bits; blocks are sorted by
 /// their number of ones.
@@ -345,14 +81,14 @@ struct Blocks {
   [[nodiscard]] Mask size() const { return bit(bits); }
 };
 
-/// One pass over all masks.
+/// One pass over all states.
 template <class Numbers>
-class Sweep {
+class DenseSweep {
  public:
   using Value = typename Numbers::Value;
 
-  Sweep(const TransitionSystem& system, const Budget& budget, const Blocks& blocks,
-        const std::optional<Forest>& forest, const Numbers& numbers, Value* values)
+  DenseSweep(const TransitionSystem& system, const Budget& budget, const Blocks& blocks,
+             const std::optional<DenseForest>& forest, const Numbers& numbers, Value* values)
       : system_(system),
         budget_(budget),
         blocks_(blocks),
@@ -411,7 +147,7 @@ class Sweep {
  private:
   /// What one thread holds.
   struct Run {
-    explicit Run(const Sweep& sweep) : expander(sweep.system_) {
+    explicit Run(const DenseSweep& sweep) : expander(sweep.system_) {
       if (!sweep.forest_) return;
       forest.emplace(*sweep.forest_, sweep.system_, sweep.numbers_);
       error = forest->error();
@@ -435,7 +171,7 @@ class Sweep {
                     .states = total});
   }
 
-  // Any problem: legal actions and rewards by Expander.
+  // Works out a block by legal actions and rewards from the Expander, which do for any problem.
   void work_out(Run& run, Mask first) {
     const Mask chunk = std::min<Mask>(blocks_.size(), kPollEvery);
     run.masks.resize(chunk);
@@ -466,7 +202,7 @@ class Sweep {
   const TransitionSystem& system_;
   const Budget& budget_;
   const Blocks& blocks_;
-  const std::optional<Forest>& forest_;
+  const std::optional<DenseForest>& forest_;
   const Numbers& numbers_;
   Value* values_;
   std::atomic<std::size_t> next_ = 0;
@@ -498,13 +234,13 @@ void roll_out(const TransitionSystem& system, const Numbers& numbers,
   }
 }
 
-/// Greatest sizes of rewards.
+/// The greatest sizes of rewards: of any step, and of the step that completes.
 struct Sizes {
   double step = 0;
   double last = 0;
 };
 
-/// By reward_range, or nothing.
+/// The greatest sizes as TransitionSystem::reward_range tells them; empty where it does not.
 std::optional<Sizes> known_sizes(const TransitionSystem& system) {
   const std::size_t n = system.num_connections();
   Sizes sizes;
@@ -519,7 +255,7 @@ std::optional<Sizes> known_sizes(const TransitionSystem& system) {
   return sizes;
 }
 
-/// Twice what is met on the way of the greedy plan.
+/// A guess where they are not known: twice what is met on the way of the greedy plan.
 Sizes sampled_sizes(const TransitionSystem& system) {
   Expander expander(system);
   double most = 0;
@@ -533,7 +269,8 @@ Sizes sampled_sizes(const TransitionSystem& system) {
   return {2 * most, 2 * most};
 }
 
-/// `error`: greatest rounding error of a step.
+/// Writes the plan and what is proved of it to `result`. `error` is the greatest rounding error of
+/// a step.
 template <class Numbers>
 void conclude(const TransitionSystem& system, const Numbers& numbers,
               const typename Numbers::Value* values, double error, Result& result) {
@@ -569,12 +306,12 @@ template <class Numbers>
 using Values = detail::GrowingArray<typename Numbers::Value>;
 
 void solve_in_doubles(const TransitionSystem& system, const Budget& budget, const Blocks& blocks,
-                      const std::optional<Forest>& forest, Result& result) {
+                      const std::optional<DenseForest>& forest, Result& result) {
   Values<Doubles> values;
   values.reserve(bit(system.num_connections()));
   values.resize(bit(system.num_connections()));
   const Doubles numbers;
-  Sweep<Doubles> sweep(system, budget, blocks, forest, numbers, values.data());
+  DenseSweep<Doubles> sweep(system, budget, blocks, forest, numbers, values.data());
   result.statistics.sweeps = 1;
   sweep.run(result.statistics.peak_bytes, result.statistics);
   result.stop = sweep.stop();
@@ -582,18 +319,18 @@ void solve_in_doubles(const TransitionSystem& system, const Budget& budget, cons
 }
 
 void solve_in_fixed_point(const TransitionSystem& system, const Budget& budget,
-                          const Blocks& blocks, const std::optional<Forest>& forest,
+                          const Blocks& blocks, const std::optional<DenseForest>& forest,
                           Result& result) {
   Values<FixedPoint> values;
   values.reserve(bit(system.num_connections()));
   values.resize(bit(system.num_connections()));
   const auto known = known_sizes(system);
   Sizes sizes = known ? *known : sampled_sizes(system);
-  // Tenfold, a hundredfold, ten-thousandfold: a function of the problem alone, whichever thread met
-  // the large reward.
+  // Where a reward turns out too large for its number system, all begins again with ten, a hundred,
+  // ten thousand times the size. So the sizes do not depend on which thread met the large reward.
   for (double factor = 10;; factor *= factor) {
     const FixedPoint numbers(system.num_connections(), sizes.step, sizes.last);
-    Sweep<FixedPoint> sweep(system, budget, blocks, forest, numbers, values.data());
+    DenseSweep<FixedPoint> sweep(system, budget, blocks, forest, numbers, values.data());
     ++result.statistics.sweeps;
     sweep.run(result.statistics.peak_bytes, result.statistics);
     result.stop = sweep.stop();
@@ -621,7 +358,7 @@ double dense_table_bytes(const TransitionSystem& system, const Budget& budget) {
 }
 
 bool dense_table_fits(const TransitionSystem& system, const Budget& budget) {
-  return system.whole() && system.num_connections() <= kMostConnections &&
+  return system.whole() && system.num_connections() <= kMostDenseConnections &&
          dense_table_bytes(system, budget) <= static_cast<double>(allowed_bytes(budget));
 }
 
@@ -632,21 +369,21 @@ bool dense_values_safe(const TransitionSystem& system) {
 Result dense_value_iteration(const TransitionSystem& system,
                              const DenseValueIterationOptions& options, const Budget& budget) {
   const Stopwatch watch;
-  if (auto result = detail::settled(system, kMethod)) return *result;
+  if (auto result = detail::infeasible_at_once(system, kMethod)) return *result;
   if (!system.whole())
     throw InputError(
         "value-iteration: the table of all 2^n states begins with all connections open");
   const std::size_t n = system.num_connections();
   const bool doubles = takes_doubles(system, options, budget);
   const double needed = table_bytes(n, doubles);
-  if (n > kMostConnections || needed > static_cast<double>(allowed_bytes(budget))) {
+  if (n > kMostDenseConnections || needed > static_cast<double>(allowed_bytes(budget))) {
     throw InputError("value-iteration: a table of all 2^" + std::to_string(n) +
                      " states does not fit in the memory allowed");
   }
   Result result;
   result.method = kMethod;
   const Blocks blocks(n);
-  const std::optional<Forest> forest = forest_of(system);
+  const std::optional<DenseForest> forest = dense_forest_of(system);
   result.statistics.peak_bytes = static_cast<std::uint64_t>(needed);
   result.statistics.states = bit(n);
   if (doubles) {
@@ -655,7 +392,7 @@ Result dense_value_iteration(const TransitionSystem& system,
     solve_in_fixed_point(system, budget, blocks, forest, result);
   }
   if (result.stop != Stop::None)
-    result = detail::stopped(system, kMethod, result.stop, result.statistics);
+    result = detail::stopped_with_quick_plan(system, kMethod, result.stop, result.statistics);
   result.statistics.seconds = watch.seconds();
   return result;
 }

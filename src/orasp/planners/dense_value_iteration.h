@@ -10,9 +10,13 @@ namespace orasp {
 
 struct DenseValueIterationOptions {
   enum class Values {
-    Automatic,   ///< Double up to 28 connections where half of the memory allowed holds it
-    Double,      ///< 8 bytes a state
-    FixedPoint,  ///< 4 bytes a state: whole multiples of a power of ten
+    /// Double for up to 28 connections where half of the memory allowed holds that, else
+    /// FixedPoint.
+    Automatic,
+    /// Values take 8 bytes a state.
+    Double,
+    /// Values take 4 bytes a state: they are whole multiples of a power of ten.
+    FixedPoint,
   };
   Values values = Values::Automatic;
 };

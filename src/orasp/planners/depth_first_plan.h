@@ -33,12 +33,13 @@ template <class Arrange>
   const std::size_t goal_depth = from.size() - to.size();
 
   std::vector<Action> actions;
-  std::vector<std::size_t>
-      frames;  ///< where each state's untried actions begin in `actions`, last to be tried first
+  // Where the untried actions of each state begin in `actions`; the last of them is tried first.
+  std::vector<std::size_t> frames;
   std::vector<Action> taken;
   result.stop = budget.expired();
   while (result.stop == Stop::None && taken.size() < goal_depth) {
-    if (frames.size() == taken.size()) {  // a new state
+    const bool is_new_state = frames.size() == taken.size();
+    if (is_new_state) {
       const bool known_failure =
           failed.size() > 0 && failed.find(state.view().data()) != StateTable<0>::kAbsent;
       const std::size_t begin = actions.size();
@@ -59,7 +60,8 @@ template <class Arrange>
             budget.expired(failed.bytes() + actions.size() * sizeof(Action), statistics.expanded);
       }
     }
-    if (actions.size() == frames.back()) {  // everything failed here
+    const bool everything_failed = actions.size() == frames.back();
+    if (everything_failed) {
       failed.insert(state.view().data());
       frames.pop_back();
       if (frames.empty()) break;
@@ -77,7 +79,7 @@ template <class Arrange>
   statistics.peak_bytes = failed.bytes() + actions.capacity() * sizeof(Action);
   if (taken.size() == goal_depth) {
     result.stop = Stop::None;
-    // The empty plan is the only one; any other is just a plan.
+    // Where nothing is to be done, the empty plan is the only one, and so the best.
     result.status = goal_depth == 0 ? Status::Optimal : Status::Feasible;
     if (goal_depth == 0) result.bound = 0;
     result.reward = 0;
@@ -96,7 +98,7 @@ template <class Arrange>
 template <class Arrange>
 [[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
                                       std::string_view method, Arrange&& arrange) {
-  if (auto result = settled(system, method)) return *result;
+  if (auto result = infeasible_at_once(system, method)) return *result;
   return depth_first_search(system, system.start(), ConnectionSet(system.num_connections()), budget,
                             method, std::forward<Arrange>(arrange));
 }

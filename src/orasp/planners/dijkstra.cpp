@@ -14,7 +14,7 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
   // are not negative, and the heap would only take it for a strictly smaller length.
   constexpr std::uint64_t kPollEvery = 16'384;
   const Stopwatch watch;
-  if (auto result = detail::settled(graph.system(), "dijkstra")) return *result;
+  if (auto result = detail::infeasible_at_once(graph.system(), "dijkstra")) return *result;
   Result result;
   result.method = "dijkstra";
   result.statistics = detail::statistics_of(graph);
@@ -58,7 +58,8 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
   });
 
   if (result.stop != Stop::None) {
-    result = detail::stopped(graph.system(), "dijkstra", result.stop, result.statistics);
+    result =
+        detail::stopped_with_quick_plan(graph.system(), "dijkstra", result.stop, result.statistics);
   } else if (!goal) {
     result = detail::exhausted("dijkstra", result.statistics);
   } else {

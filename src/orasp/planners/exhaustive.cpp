@@ -19,7 +19,7 @@ Result exhaustive(const TransitionSystem& system, const Budget& budget) {
   constexpr std::uint64_t kPollEvery = 4096;
   const Stopwatch watch;
   if (const auto reason = exhaustive_obstacle(system)) throw Refusal("exhaustive", *reason);
-  if (auto result = detail::settled(system, "exhaustive")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "exhaustive")) return *result;
   Result result;
   result.method = "exhaustive";
   Statistics& statistics = result.statistics;
@@ -72,7 +72,7 @@ Result exhaustive(const TransitionSystem& system, const Budget& budget) {
       result.bound = result.reward;
     }
   } else if (result.status == Status::Unknown) {
-    result = detail::stopped(system, "exhaustive", result.stop, statistics);
+    result = detail::stopped_with_quick_plan(system, "exhaustive", result.stop, statistics);
   }
   result.statistics.seconds = watch.seconds();
   return result;

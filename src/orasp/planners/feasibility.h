@@ -12,10 +12,14 @@ namespace orasp {
 
 /// Whether connections can be removed, and in which order.
 struct Feasibility {
-  Status status = Status::Unknown;          ///< Feasible, Infeasible (proved) or Unknown
-  Stop stop = Stop::None;                   ///< why it is unknown
-  std::vector<ConnectionIndex> order = {};  ///< in disassembly order; empty unless feasible
-  std::uint64_t expanded = 0;               ///< states looked at
+  /// Feasible, Infeasible (which is then proved) or Unknown.
+  Status status = Status::Unknown;
+  /// Why the answer is unknown.
+  Stop stop = Stop::None;
+  /// A legal order of disassembly; empty unless feasible.
+  std::vector<ConnectionIndex> order = {};
+  /// How many states were looked at.
+  std::uint64_t expanded = 0;
 };
 
 /// Looks for any legal order in which to take the present connections `from` down to `to`, a

@@ -16,11 +16,11 @@ namespace orasp {
 
 namespace {
 
-/// The search proper; kWords as in StateTable.
+/// The search of orasp_search(). kWords is that of its StateTable.
 template <std::size_t kWords>
-class Search {
+class OraspSearch {
  public:
-  Search(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
+  OraspSearch(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
       : expander_(system),
         bound_(bound),
         budget_(budget),
@@ -43,7 +43,7 @@ class Search {
       actions_.pop_back();
       follow(action);
     }
-    // What was not looked at could still earn this much.
+    // Where the search was stopped, the actions that were not followed may still earn more.
     double open = result_.reward;
     while (!frames_.empty()) {
       while (actions_.size() > frames_.back()) {
@@ -100,7 +100,8 @@ class Search {
         });
     ++result_.statistics.expanded;
     if (result_.statistics.expanded % kLook == 0 || budget_.max_expansions < kLook) {
-      // Before it is taken: to the next look the table gains a state an expansion.
+      // Memory is judged before it is taken: until the next look the table gains a state with each
+      // expansion.
       const std::uint64_t soon = bytes() - met_.bytes() + met_.bytes_with(kLook);
       result_.stop =
           soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
@@ -154,9 +155,10 @@ class Search {
     return met_.bytes() + best_.bytes() + actions_.capacity() * sizeof(Untried);
   }
 
-  static constexpr std::uint64_t kLook =
-      1024;  ///< expansions from one look at the budget to the next
+  /// How many states are expanded from one look at the budget to the next.
+  static constexpr std::uint64_t kLook = 1024;
 
+  /// A step of the path to the present state, with what held before it.
   struct Taken {
     ConnectionIndex connection;
     double running_before;
@@ -170,14 +172,19 @@ class Search {
   Result& result_;
   ConnectionSet state_;
   std::size_t num_open_;
+  /// The reward of the path to the present state, and the bound of that state.
   double running_ = 0;
   double rest_ = 0;
   std::vector<Taken> taken_;
-  std::vector<double> rests_;        ///< of one state's legal actions
-  std::vector<Untried> actions_;     ///< untried, state by state, last to be tried first
-  std::vector<std::size_t> frames_;  ///< where each state's actions begin
+  /// The bounds of the states after the legal actions of one state.
+  std::vector<double> rests_;
+  /// The actions that are not yet followed, of each state of the path; the last is followed first.
+  std::vector<Untried> actions_;
+  /// Where the actions of each state of the path begin in actions_.
+  std::vector<std::size_t> frames_;
+  /// The states that were met, and the best reward with which each was met.
   detail::StateTable<kWords> met_;
-  detail::GrowingArray<double> best_;  ///< best running reward of each state met
+  detail::GrowingArray<double> best_;
 };
 
 }  // namespace
@@ -185,7 +192,7 @@ class Search {
 Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                     const Budget& budget) {
   const Stopwatch watch;
-  if (auto result = detail::settled(system, "orasp-search")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "orasp-search")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
   if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
     throw Refusal("orasp-search", *reason);
@@ -193,9 +200,9 @@ Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& op
   result.method = "orasp-search";
   if (result.status == Status::Feasible) {
     if (system.words() == 1) {
-      Search<1>(system, *bound, budget, result).run();
+      OraspSearch<1>(system, *bound, budget, result).run();
     } else {
-      Search<0>(system, *bound, budget, result).run();
+      OraspSearch<0>(system, *bound, budget, result).run();
     }
     if (result.stop == Stop::None) {
       result.status = Status::Optimal;

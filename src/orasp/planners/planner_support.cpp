@@ -11,7 +11,7 @@
 
 namespace orasp::detail {
 
-std::optional<Result> settled(const TransitionSystem& system, std::string_view method) {
+std::optional<Result> infeasible_at_once(const TransitionSystem& system, std::string_view method) {
   const auto reason = system.infeasibility();
   if (!reason) return std::nullopt;
   Result result;
@@ -23,12 +23,13 @@ std::optional<Result> settled(const TransitionSystem& system, std::string_view m
 
 namespace {
 
-/// Seconds for a plan after the limit has struck, where a plan may take longer than some
-/// milliseconds.
+/// The seconds that a quick plan may take after a limit has ended a method.
 constexpr double kAtOnce = 0.04;
-constexpr std::size_t kSmall = 600;  ///< connections
+/// Up to so many connections a quick plan takes some milliseconds at most, and no limit is needed.
+constexpr std::size_t kSmall = 600;
 
-/// A plan where greedy runs into dead ends: the first legal order, whatever it earns.
+/// The first legal order that is found, whatever it earns: for problems in which greedy runs into
+/// dead ends.
 Result any_plan(const TransitionSystem& system, const Budget& budget) {
   Result result;
   if (system.ordered()) return result;
@@ -59,8 +60,8 @@ double reward_of(const TransitionSystem& system, std::span<const ConnectionIndex
   return reward;
 }
 
-Result stopped(const TransitionSystem& system, std::string_view method, Stop stop,
-               const Statistics& statistics) {
+Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view method, Stop stop,
+                               const Statistics& statistics) {
   Budget at_once;
   at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_steps(), 2000);
   const bool small = system.num_connections() <= kSmall;
@@ -70,8 +71,8 @@ Result stopped(const TransitionSystem& system, std::string_view method, Stop sto
     if (!small) at_once.set_time_limit(kAtOnce);
     result = any_plan(system, at_once);
   }
-  if (result.status == Status::Infeasible)
-    result.status = Status::Unknown;  // not this method's proof
+  // A proof by greedy is none of the method that was asked.
+  if (result.status == Status::Infeasible) result.status = Status::Unknown;
   result.method = method;
   result.stop = stop;
   result.statistics = statistics;

@@ -228,7 +228,7 @@ Result uncertain_value_iteration(const UncertainGraph& graph, const ValueIterati
 Result uncertain_value_iteration(const TransitionSystem& system,
                                  const ValueIterationOptions& options, const Budget& budget) {
   const Stopwatch watch;
-  if (auto result = detail::settled(system, "value-iteration")) return *result;
+  if (auto result = detail::infeasible_at_once(system, "value-iteration")) return *result;
   Result result = uncertain_value_iteration(UncertainGraph::build(system, budget), options, budget);
   result.statistics.seconds = watch.seconds();
   return result;

@@ -77,7 +77,7 @@ Result value_iteration(const StateGraph& graph, const ValueIterationOptions& opt
   // in place makes the first sweep exact; the second finds no change and ends. The textbook order
   // reads V_k throughout.
   const Stopwatch watch;
-  if (auto result = detail::settled(graph.system(), "value-iteration")) return *result;
+  if (auto result = detail::infeasible_at_once(graph.system(), "value-iteration")) return *result;
   Result result;
   result.method = "value-iteration";
   result.statistics = detail::statistics_of(graph);
@@ -125,7 +125,8 @@ Result value_iteration(const StateGraph& graph, const ValueIterationOptions& opt
     result = detail::exhausted("value-iteration", result.statistics);
     result.stop = none;
   } else if (!roll_out(graph, values, result)) {
-    result = detail::stopped(graph.system(), "value-iteration", result.stop, result.statistics);
+    result = detail::stopped_with_quick_plan(graph.system(), "value-iteration", result.stop,
+                                             result.statistics);
     result.notes.emplace_back("the values were not final: the greedy policy ends in a dead end");
   } else if (exact) {
     result.status = Status::Optimal;

@@ -13,13 +13,17 @@ namespace orasp {
 
 struct ValueIterationOptions {
   enum class Order {
-    Layers,    ///< last layer first, in place: one sweep finds the values, one confirms them
-    Textbook,  ///< the paper's: V_{k+1} from V_k, states in order of generation; one layer more is
-               ///< right each sweep
+    /// The last layer first, in place: one sweep finds the values, one confirms them.
+    Layers,
+    /// The order of the paper: V_{k+1} from V_k, states in order of generation. Each sweep gets one
+    /// layer more right.
+    Textbook,
   };
   Order order = Order::Layers;
-  double initial_value = 0;  ///< V_0 of every state but the goal, whose value is 0
-  double epsilon = 1e-9;     ///< stop when no value changed by this much or more
+  /// V_0 of every state but the goal, whose value is 0.
+  double initial_value = 0;
+  /// The sweeps end when no value has changed by this much or more.
+  double epsilon = 1e-9;
   std::uint64_t max_sweeps = std::numeric_limits<std::uint64_t>::max();
 
   friend bool operator==(const ValueIterationOptions&, const ValueIterationOptions&) = default;

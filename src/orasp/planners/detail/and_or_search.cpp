@@ -1,0 +1,324 @@
+#include "orasp/planners/detail/and_or_search.h"
+
+#include "orasp/task/memory_limit.h"
+
+namespace orasp::detail {
+
+template <std::size_t kWords>
+AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t forest_seed,
+                                 const Budget& budget, Result& result)
+    : problem_(pieces.system.problem()),
+      expander_(pieces.system),
+      gains_(pieces.gains),
+      graph_(pieces.graph),
+      along_forest_(forest_seed != 0 || pieces.graph.is_forest()),
+      budget_(budget),
+      allowed_bytes_(allowed_bytes(budget)),
+      result_(result),
+      bounded_(pieces.gains.sizes_known() || pieces.gains.parts_known()),
+      by_sizes_(pieces.system.gain_by_sizes() && pieces.gains.sizes_known() &&
+                !problem_.limits().max_moved_mass && problem_.directions() == 0),
+      by_connection_(pieces.system.gain_by_connection()),
+      limited_(problem_.limits().max_subassemblies.has_value()),
+      memo_(kWords + 1) {
+  const std::size_t parts = problem_.num_parts();
+  neighbours_.resize(parts);
+  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+    const auto [u, v] = problem_.ends(c);
+    if (u == v) continue;
+    neighbours_[u].insert(v);
+    neighbours_[v].insert(u);
+  }
+  if (along_forest_) {
+    SpanningForest forest = random_spanning_forest(graph_, forest_seed);
+    parent_ = std::move(forest.parent);
+    below_.resize(parts);
+    for (std::size_t p = 0; p < parts; ++p) below_[p].insert(p);
+    for (std::size_t i = parts; i-- > 0;) {
+      const PartIndex part = forest.order[i];
+      if (parent_[part] != SpanningForest::kNoPart)
+        below_[parent_[part]] = below_[parent_[part]] | below_[part];
+    }
+  }
+  close_precedence();
+}
+
+template <std::size_t kWords>
+bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_looks) {
+  run_is_over_ = false;
+  peeled_.clear();
+  run_ends_at_ = result_.statistics.expanded + most_expansions;
+  looks_end_at_ = looks_ + most_looks;
+  std::vector<Set> pieces;
+  graph_.for_each_piece(ConnectionSet::all(problem_.num_connections()).view(),
+                        [&](std::span<const PartIndex> piece) {
+                          if (piece.size() < 2) return;
+                          Set set;
+                          for (const PartIndex part : piece) set.insert(part);
+                          pieces.push_back(set);
+                        });
+  // Pieces that are taken apart later count as subassemblies while an earlier one is taken apart,
+  // so the order of the pieces matters under max_subassemblies. The bound must hold for every
+  // order: it allows each piece as many subassemblies as if it were alone.
+  std::size_t allowed = problem_.limits().max_subassemblies.value_or(kMostAllowed);
+  allowed = std::min(allowed, kMostAllowed);
+  double most = 0;
+  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
+  if (problem_.num_connections() > 0) most += gains_.last_surplus();
+  for (const Set& piece : pieces) most += upper(piece, piece.size());
+  result_.bound = most;
+  for (const Set& piece : pieces) {
+    const double before = most;
+    const double loss =
+        solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
+    most -= loss;
+    result_.bound = most;
+    if (most == -kInfinity || result_.stop != Stop::None || run_is_over_) break;
+  }
+  result_.statistics.states = std::max<std::uint64_t>(result_.statistics.states, memo_.size());
+  result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
+  allowed_ = allowed;
+  pieces_ = std::move(pieces);
+  return result_.stop == Stop::None && !run_is_over_;
+}
+
+/// The loss of a piece, or the best lower bound on it that the run allows. The limit on the loss
+/// grows from the least that is possible (iterative deepening); `report` is told each lower bound.
+template <std::size_t kWords>
+template <class Report>
+double AndOrSearch<kWords>::solve(const Set& piece, std::size_t allowed, Report&& report) {
+  const std::size_t parts = piece.size();
+  const double scale = upper(piece, parts);
+  scale_ = scale;
+  double limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity;
+  double step = slack(scale);
+  // The search goes into depth first. One wrong choice high up makes it try every way to fail
+  // further down. So each try ends after a while, and the next one takes equal cuts in another
+  // order; what was proved stays.
+  std::uint64_t patience = 64 * parts;
+  salt_ = 0;
+  while (true) {
+    try_is_over_ = false;
+    try_ends_at_ = result_.statistics.expanded + patience;
+    const double loss = search(piece, parts, allowed, limit);
+    if (try_is_over_ && result_.stop == Stop::None && !run_is_over_) {
+      patience *= 2;
+      ++salt_;
+      continue;
+    }
+    if (result_.stop != Stop::None || run_is_over_) {
+      report(loss);
+      return loss;
+    }
+    if (loss <= limit || loss == kInfinity) return loss;
+    report(loss);
+    step *= 2;
+    limit = std::max(loss, limit + step) + slack(scale);
+  }
+}
+
+/// The least loss of a piece where it is within `limit`; otherwise a lower bound on it, above
+/// `limit`.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::search(const Set& piece, std::size_t parts, std::size_t allowed,
+                                   double limit) {
+  if (parts == 1) return 0;
+  if (allowed == 0) return kInfinity;
+  if (limited_) allowed = useful(allowed, parts);
+  const auto [number, is_new] = memo_.insert(key(piece, allowed).data());
+  if (is_new) {
+    loss_.push_back(first_loss(piece, parts));
+    exact_.push_back(0);
+  }
+  if (exact_[number] != 0 || loss_[number] > limit || must_stop()) return loss_[number];
+  ++result_.statistics.expanded;
+  if (result_.statistics.expanded % 256 == 0) poll();
+  if (result_.statistics.expanded >= run_ends_at_) run_is_over_ = true;
+  if (result_.statistics.expanded >= try_ends_at_) {
+    try_is_over_ = true;
+    return loss_[number];
+  }
+
+  const std::size_t begin = cuts_.size();
+  const double skipped = list_cuts(piece, parts, allowed, limit);
+  sort_cuts(begin);
+  const auto [best, next] = least_loss(piece, parts, allowed, limit, begin, skipped);
+  cuts_.resize(begin);
+  if (must_stop()) return loss_[number];
+  if (best < kInfinity) {
+    loss_[number] = best;
+    exact_[number] = 1;
+  } else {
+    // The loss is above the limit, also where rounding has put the sum onto the limit.
+    loss_[number] = std::max({loss_[number], next, std::nextafter(limit, kInfinity)});
+    if (next == kInfinity) exact_[number] = 1;
+  }
+  return loss_[number];
+}
+
+/// Sorts the cuts from place `begin` on by their estimates. Sums of the same numbers in another
+/// order are equal, not a preference.
+template <std::size_t kWords>
+void AndOrSearch<kWords>::sort_cuts(std::size_t begin) {
+  std::sort(cuts_.begin() + static_cast<std::ptrdiff_t>(begin), cuts_.end(),
+            [tie = slack(scale_)](const Cut& a, const Cut& b) {
+              const double left = std::floor(a.estimate / tie + 0.5);
+              const double right = std::floor(b.estimate / tie + 0.5);
+              return left != right ? left < right : a.order < b.order;
+            });
+}
+
+/// Follows the cuts of a piece from place `begin` on. Returns the least loss with a cut that was
+/// solved within `limit` (infinite if there is none), and a lower bound on the losses with all
+/// others, of which those that were not even listed lose at least `skipped`.
+template <std::size_t kWords>
+std::pair<double, double> AndOrSearch<kWords>::least_loss(const Set& piece, std::size_t parts,
+                                                          std::size_t allowed, double limit,
+                                                          std::size_t begin, double skipped) {
+  double best = kInfinity;
+  double next = skipped;
+  const std::size_t end = cuts_.size();
+  const double tie = slack(scale_);
+  for (std::size_t i = begin; i < end && !must_stop(); ++i) {
+    const Cut cut = cuts_[i];
+    const double most = std::min(limit, best - tie);
+    if (cut.estimate > most) {
+      next = std::min(next, cut.estimate);
+      continue;
+    }
+    const auto [total, solved] = loss_with(cut, halves(piece, parts, allowed, cut), most);
+    if (must_stop()) break;
+    if (solved) {
+      best = total;
+    } else {
+      next = std::min(next, total);
+    }
+  }
+  return {best, next};
+}
+
+/// The loss of a piece with a cut, and whether it is exact; if not, it is a lower bound. A loss of
+/// a side above the limit that it was asked for is a lower bound only, however the sums are
+/// rounded.
+template <std::size_t kWords>
+std::pair<double, bool> AndOrSearch<kWords>::loss_with(const Cut& cut,
+                                                       const std::array<Half, 2>& halves,
+                                                       double limit) {
+  // The smaller side comes first: it is solved sooner.
+  const bool side_first = halves[0].parts <= halves[1].parts;
+  const Half& one = halves[side_first ? 0 : 1];
+  const Half& other = halves[side_first ? 1 : 0];
+  double other_loss = known_loss(other.set, other.parts, other.allowed);
+  const double one_limit = limit - cut.own_loss - other_loss;
+  const double one_loss = search(one.set, one.parts, one.allowed, one_limit);
+  bool solved = one_loss <= one_limit;
+  ++result_.statistics.generated;
+  if (solved) {
+    const double other_limit = limit - cut.own_loss - one_loss;
+    other_loss = search(other.set, other.parts, other.allowed, other_limit);
+    solved = other_loss <= other_limit;
+  }
+  return {cut.own_loss + one_loss + other_loss, solved};
+}
+
+/// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more
+/// than sizes tell.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
+  if (!gains_.sizes_known() || parts < 3) return unknown_loss();
+  const double most = gains_.by_arms(parts, arms(piece));
+  return std::max(0.0, upper(piece, parts) - most - slack(scale_));
+}
+
+/// The most components that a piece falls into without one of its parts. Reference: articulation
+/// points by depth-first search, Hopcroft and Tarjan (1973), Comm. ACM 16(6), 372-378.
+template <std::size_t kWords>
+std::size_t AndOrSearch<kWords>::arms(const Set& piece) {
+  std::size_t most = 1;
+  if (graph_.is_forest()) {
+    piece.for_each(
+        [&](std::size_t part) { most = std::max(most, (neighbours_[part] & piece).size()); });
+    return most;
+  }
+  constexpr std::uint32_t kUnmet = 0;
+  met_.assign(problem_.num_parts(), kUnmet);
+  low_.resize(problem_.num_parts());
+  struct Frame {
+    PartIndex part;
+    PartIndex from;
+    std::uint32_t next;
+    std::size_t arms;
+  };
+  std::vector<Frame> path;
+  std::uint32_t time = 0;
+  const auto root = static_cast<PartIndex>(piece.first());
+  const auto enter = [&](PartIndex part, PartIndex from) {
+    met_[part] = low_[part] = ++time;
+    path.push_back(
+        {part, from, 0, from == SpanningForest::kNoPart ? std::size_t{0} : std::size_t{1}});
+  };
+  enter(root, SpanningForest::kNoPart);
+  while (!path.empty()) {
+    Frame& frame = path.back();
+    const auto around = graph_.around(frame.part);
+    if (frame.next < around.size()) {
+      const PartIndex other = around[frame.next++].other;
+      if (!piece.contains(other) || other == frame.from) continue;
+      if (met_[other] == kUnmet) {
+        enter(other, frame.part);
+      } else {
+        low_[frame.part] = std::min(low_[frame.part], met_[other]);
+      }
+      continue;
+    }
+    const Frame done = frame;
+    most = std::max(most, done.arms);
+    path.pop_back();
+    if (path.empty()) break;
+    Frame& above = path.back();
+    low_[above.part] = std::min(low_[above.part], low_[done.part]);
+    if (low_[done.part] >= met_[above.part]) ++above.arms;
+  }
+  return most;
+}
+
+/// Fills precedence_: what must be gone before each connection, directly or through others.
+template <std::size_t kWords>
+void AndOrSearch<kWords>::close_precedence() {
+  if (problem_.precedence().empty()) return;
+  const std::size_t connections = problem_.num_connections();
+  std::vector<std::vector<ConnectionIndex>> direct(connections);
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    direct[clause.connection].insert(direct[clause.connection].end(), clause.after.begin(),
+                                     clause.after.end());
+  }
+  precedence_.resize(connections);
+  std::vector<unsigned char> seen(connections);
+  for (ConnectionIndex c = 0; c < connections; ++c) {
+    std::ranges::fill(seen, 0);
+    std::vector<ConnectionIndex>& all = precedence_[c];
+    all = direct[c];
+    for (const ConnectionIndex other : all) seen[other] = 1;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (const ConnectionIndex other : direct[all[i]]) {
+        if (seen[other] == 0) all.push_back(other);
+        seen[other] = 1;
+      }
+    }
+  }
+}
+
+template <std::size_t kWords>
+void AndOrSearch<kWords>::poll() {
+  result_.stop = bytes() > allowed_bytes_ ? Stop::MemoryLimit
+                                          : budget_.expired(bytes(), result_.statistics.expanded);
+  budget_.report({.phase = "search", .done = result_.statistics.expanded, .states = memo_.size()});
+}
+
+template class AndOrSearch<1>;
+template class AndOrSearch<2>;
+template class AndOrSearch<4>;
+template class AndOrSearch<8>;
+template class AndOrSearch<16>;
+
+}  // namespace orasp::detail

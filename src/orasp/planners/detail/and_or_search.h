@@ -1,0 +1,310 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "orasp/bounds/piece_gains.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/containers/state_table.h"
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/model/tolerance.h"
+#include "orasp/model/transition_system.h"
+#include "orasp/planners/detail/part_set.h"
+#include "orasp/planners/detail/spanning_forest.h"
+#include "orasp/task/budget.h"
+#include "orasp/task/result.h"
+
+namespace orasp::detail {
+
+/// What all searches of one problem share; none of them changes it.
+struct PieceProblem {
+  explicit PieceProblem(const TransitionSystem& the_system)
+      : system(the_system), gains(the_system), graph(the_system.problem()) {}
+
+  const TransitionSystem& system;
+  PieceGains gains;
+  AssemblyGraph graph;
+};
+
+/// The search of and_or() (planners/and_or.h): the least loss of a piece over all trees of cuts.
+/// kWords words hold a set of all parts.
+///
+/// The loss of a piece is what its best tree of cuts stays below the bound of PieceGains. A search
+/// runs several times, each time further; what it has proved stays in its memory for the next run.
+///
+/// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
+/// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
+/// search takes too long, and_or_sequence.cpp the steps of a plan.
+template <std::size_t kWords>
+class AndOrSearch {
+ public:
+  using Set = PartSet<kWords>;
+
+  /// With forest_seed 0 the search looks at all cuts. With another seed it looks only at those
+  /// along a random spanning forest: they are few, so the best of them are found even where all
+  /// cuts are too many. (In a problem that is a forest these are all cuts.)
+  AndOrSearch(const PieceProblem& pieces, std::uint64_t forest_seed, const Budget& budget,
+              Result& result);
+
+  /// Searches until it is done, or has expanded `most_expansions` pieces, or looked at `most_looks`
+  /// sides of cuts. The bound of the result is proved at any time.
+  /// @returns whether the search is done.
+  bool run(std::uint64_t most_expansions, std::uint64_t most_looks);
+
+  /// Looks for a good plan that takes small sides off each piece, one after the other. Of the
+  /// pieces of each size that are then left, the `width` that have lost least are followed. What is
+  /// cut off is solved exactly. The next sequence() follows the plan that is found. Only after
+  /// run().
+  void peel(std::size_t width);
+
+  /// Carries the trees of cuts out as legal steps; empty where that is not possible. With `dive`, a
+  /// piece that is not solved is cut where the cut promises most. Only after run().
+  std::vector<ConnectionIndex> sequence(bool dive);
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::size_t kMostAllowed = 63;
+  /// peel() takes sides of at most this many parts off a piece.
+  static constexpr std::size_t kMostPeeled = 3;
+
+  /// A cut of a piece into `side` and the rest.
+  struct Cut {
+    Set side;
+    /// By how much the cut alone stays below the bound of the piece: g(S) - gain - g(A) - g(B).
+    double own_loss;
+    /// A lower bound on the loss of the piece with this cut: own_loss and what is known of the
+    /// losses of both sides.
+    double estimate;
+    /// The place among cuts of the same estimate.
+    std::uint64_t order;
+    /// Whether the rest is finished first, while the side waits; else the other way round.
+    bool side_waits;
+  };
+  /// What peel() has left of a piece, and how it came to it.
+  struct Remainder {
+    Set piece;
+    double loss;
+    /// The number of the remainder that it was cut from; kNone for the piece itself.
+    std::uint32_t before;
+    /// What was cut off that one.
+    Set side;
+  };
+  /// The steps of a plan so far, and the connections that are still there.
+  struct Steps {
+    ConnectionSet open;
+    std::vector<ConnectionIndex> taken;
+  };
+  /// One side of a cut, with how many subassemblies it may be at a time.
+  struct Half {
+    Set set;
+    std::size_t parts;
+    std::size_t allowed;
+  };
+
+  // and_or_search.cpp
+  template <class Report>
+  double solve(const Set& piece, std::size_t allowed, Report&& report);
+  double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
+  void sort_cuts(std::size_t begin);
+  std::pair<double, double> least_loss(const Set& piece, std::size_t parts, std::size_t allowed,
+                                       double limit, std::size_t begin, double skipped);
+  std::pair<double, bool> loss_with(const Cut& cut, const std::array<Half, 2>& halves,
+                                    double limit);
+  double first_loss(const Set& piece, std::size_t parts);
+  std::size_t arms(const Set& piece);
+  void close_precedence();
+  void poll();
+
+  // and_or_cuts.cpp
+  double list_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
+  std::size_t mark_wanted_sizes(std::size_t parts, double here, double limit, double& skipped);
+  void offer_cut(const Set& piece, std::size_t parts, std::size_t allowed, double limit,
+                 double here, const Set& side, std::size_t side_parts, double& skipped);
+  template <class Offer>
+  void list_sides(const Set& piece, std::size_t parts, std::size_t largest, Offer&& offer);
+  template <class Offer>
+  void grow(const Set& piece, std::size_t parts, std::size_t largest, const Set& side,
+            std::size_t side_parts, Set frontier, Set excluded, std::size_t lowest, Offer&& offer);
+  [[nodiscard]] Set flood(const Set& within, std::size_t start) const;
+  std::optional<double> gain_of(const Set& piece, const Set& side, const Set& rest,
+                                std::size_t side_parts, std::size_t rest_parts);
+  bool may_precede(const Set& side, const Set& rest);
+
+  // and_or_peel.cpp
+  bool peel_piece(const Set& root, std::size_t width);
+  void peel_once(const Remainder& from, std::uint32_t number, std::size_t width,
+                 std::vector<std::vector<Remainder>>& by_size);
+  static void keep_best(std::vector<Remainder>& remainders, std::size_t width);
+
+  // and_or_sequence.cpp
+  bool take(ConnectionIndex connection, Steps& steps);
+  void take_loops(Steps& steps);
+  bool take_all(std::vector<ConnectionIndex>& needed, ConnectionIndex last, Steps& steps);
+  [[nodiscard]] std::optional<Cut> next_cut(const Set& piece, std::size_t parts,
+                                            std::size_t allowed, bool dive);
+  [[nodiscard]] ConnectionIndex last_of_cut(const Cut& cut, const Set& rest, const Steps& steps,
+                                            const std::vector<ConnectionIndex>& crossing);
+  bool take_cut(const Cut& cut, const Set& rest, Steps& steps);
+
+  static void list_parts(const Set& set, std::vector<PartIndex>& list) {
+    list.clear();
+    set.for_each([&](std::size_t part) { list.push_back(static_cast<PartIndex>(part)); });
+  }
+  /// What `connection` gains as the last between `side` and the rest. The parts of the two must
+  /// stand in side_list_ and rest_list_.
+  [[nodiscard]] std::optional<double> listed_gain(const Set& side, ConnectionIndex connection) {
+    return side.contains(problem_.ends(connection)[0])
+               ? expander_.cut_gain(side_list_, rest_list_, connection)
+               : expander_.cut_gain(rest_list_, side_list_, connection);
+  }
+
+  /// The bound g of a piece.
+  [[nodiscard]] double upper(const Set& set, std::size_t parts) {
+    if (!bounded_) return 0;
+    double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
+    if (gains_.parts_known()) {
+      list_parts(set, upper_list_);
+      bound = std::min(bound, gains_.by_parts(upper_list_));
+    }
+    return bound;
+  }
+
+  /// How many of the subassemblies that are allowed a piece can make use of: n parts never need
+  /// more than floor(log2 n) at a time.
+  [[nodiscard]] static std::size_t useful(std::size_t allowed, std::size_t parts) {
+    return std::min(allowed, static_cast<std::size_t>(std::bit_width(parts)) - 1);
+  }
+  /// The two sides of a cut of a piece, `side` first. Within max_subassemblies, the side that waits
+  /// takes one from what is allowed to the other.
+  [[nodiscard]] std::array<Half, 2> halves(const Set& piece, std::size_t parts, std::size_t allowed,
+                                           const Cut& cut) const {
+    const std::size_t side_parts = cut.side.size();
+    const std::size_t rest_parts = parts - side_parts;
+    const bool one_waits = limited_ && side_parts >= 2 && rest_parts >= 2;
+    return {
+        Half{cut.side, side_parts, one_waits && !cut.side_waits ? allowed - 1 : allowed},
+        Half{piece - cut.side, rest_parts, one_waits && cut.side_waits ? allowed - 1 : allowed}};
+  }
+
+  [[nodiscard]] std::array<std::uint64_t, kWords + 1> key(const Set& set,
+                                                          std::size_t allowed) const {
+    std::array<std::uint64_t, kWords + 1> result{};
+    std::ranges::copy(set.words, result.begin());
+    result[kWords] = limited_ ? useful(allowed, set.size()) : 0;
+    return result;
+  }
+  [[nodiscard]] double unknown_loss() const { return bounded_ ? 0 : -kInfinity; }
+  /// What is known of the loss of a piece: it is at least this much.
+  [[nodiscard]] double known_loss(const Set& set, std::size_t parts, std::size_t allowed) const {
+    if (parts == 1) return 0;
+    const std::uint32_t number = memo_.find(key(set, allowed).data());
+    return number == StateTable<kWords + 1>::kAbsent ? unknown_loss() : loss_[number];
+  }
+  /// Whether known_loss() is the loss itself.
+  [[nodiscard]] bool is_exact(const Set& set, std::size_t allowed) const {
+    if (set.size() == 1) return true;
+    const std::uint32_t number = memo_.find(key(set, allowed).data());
+    return number != StateTable<kWords + 1>::kAbsent && exact_[number] != 0;
+  }
+
+  /// Losses that differ by less than this are the same number, summed in another order.
+  [[nodiscard]] static double slack(double scale) {
+    return kRewardTolerance * std::max(1.0, std::abs(scale));
+  }
+
+  /// From here on nothing but the budget ends the work.
+  void lift_limits() {
+    try_is_over_ = run_is_over_ = false;
+    try_ends_at_ = run_ends_at_ = looks_end_at_ = std::numeric_limits<std::uint64_t>::max();
+  }
+  /// Whether the work at hand must be left where it is.
+  [[nodiscard]] bool must_stop() const {
+    return try_is_over_ || run_is_over_ || result_.stop != Stop::None;
+  }
+  /// The memory that is held, and what the table of losses takes if it doubles before the next
+  /// look.
+  [[nodiscard]] std::uint64_t bytes() const {
+    constexpr std::size_t kUntilNextLook = 512;
+    return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() +
+           cuts_.capacity() * sizeof(Cut);
+  }
+
+  const Problem& problem_;
+  Expander expander_;
+  const PieceGains& gains_;
+  const AssemblyGraph& graph_;
+  bool along_forest_;
+  const Budget& budget_;
+  std::uint64_t allowed_bytes_;
+  Result& result_;
+  /// Whether some bound on what a piece gains is known. Where none is, losses are counted from 0
+  /// and may be negative.
+  bool bounded_;
+  /// Whether what a cut gains depends on the sizes of its sides alone.
+  bool by_sizes_;
+  /// Whether what a cut gains depends on which of the connections between its sides goes last.
+  bool by_connection_;
+  /// Whether max_subassemblies is stated.
+  bool limited_;
+
+  /// The parts that each part is connected to.
+  std::vector<Set> neighbours_;
+  /// Along a forest: the part above each part, and the set of parts at and below it.
+  std::vector<std::uint32_t> parent_;
+  std::vector<Set> below_;
+  /// All connections that must be gone before each connection; empty where no precedence is stated.
+  std::vector<std::vector<ConnectionIndex>> precedence_;
+
+  /// The memory of the search: a set of parts with the subassemblies allowed to it; its loss, or a
+  /// lower bound on it; and which of the two.
+  StateTable<kWords + 1> memo_;
+  GrowingArray<double> loss_;
+  GrowingArray<unsigned char> exact_;
+  /// The cuts of the pieces that are being searched, those of the innermost piece last.
+  std::vector<Cut> cuts_;
+
+  /// Scratch memory: whether sides of each size are wanted, whether each connection is gone, queues
+  /// and lists of parts.
+  std::vector<unsigned char> wanted_;
+  std::vector<unsigned char> gone_;
+  std::vector<PartIndex> queue_;
+  std::vector<std::uint32_t> met_;
+  std::vector<std::uint32_t> low_;
+  std::vector<PartIndex> upper_list_;
+  std::vector<PartIndex> side_list_;
+  std::vector<PartIndex> rest_list_;
+
+  /// The bound of the piece that solve() is at: rounding errors are measured by its size.
+  double scale_ = 0;
+  /// How many sides of cuts were looked at.
+  std::uint64_t looks_ = 0;
+  /// Cuts of the same estimate are taken as they are listed where this is 0, and else in an order
+  /// that depends on it.
+  std::uint64_t salt_ = 0;
+  /// The present try at a piece ends when the search has expanded so many pieces.
+  std::uint64_t try_ends_at_ = 0;
+  /// The present run ends when the search has expanded so many pieces, or looked at so many sides.
+  std::uint64_t run_ends_at_ = 0;
+  std::uint64_t looks_end_at_ = 0;
+  bool try_is_over_ = false;
+  bool run_is_over_ = false;
+
+  /// The pieces of the problem, and the subassemblies allowed, as the last run had them.
+  std::vector<Set> pieces_;
+  std::size_t allowed_ = 0;
+  /// Whether list_cuts() may leave out cuts that peel() has no use for.
+  bool peeling_ = false;
+  /// What the last peel() found: pieces, each with the side to cut off it.
+  std::vector<std::pair<Set, Set>> peeled_;
+};
+
+}  // namespace orasp::detail
