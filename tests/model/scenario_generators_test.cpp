@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "orasp/model/random.h"
 #include "tests/fault.h"
 
 namespace orasp {
@@ -126,24 +125,6 @@ TEST(RandomGraph, RefusesNumbersOfConnectionsOutOfRange) {
   EXPECT_EQ(fault_of([] { return random_graph(5, 11, 1); }),
             "random:5:11:1: 11 connections are not possible; 5 parts take 4 to 10, at most one for "
             "each pair");
-}
-
-// The reference implementation's first numbers.
-TEST(SplitMix64, HasTheNumbersOfTheReference) {
-  EXPECT_EQ(SplitMix64(0).next(), 0xe220a8397b1dcdafULL);
-  SplitMix64 random(42);
-  EXPECT_EQ(random.next(), 13679457532755275413ULL);
-  EXPECT_EQ(random.next(), 2949826092126892291ULL);
-}
-
-TEST(SplitMix64, StaysBelowItsBound) {
-  SplitMix64 random(1);
-  for (std::uint64_t bound = 1; bound < 100; ++bound) EXPECT_LT(random.below(bound), bound);
-  for (int i = 0; i < 1000; ++i) {
-    const double x = random.uniform();
-    EXPECT_GE(x, 0);
-    EXPECT_LT(x, 1);
-  }
 }
 
 }  // namespace

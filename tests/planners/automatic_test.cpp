@@ -153,5 +153,31 @@ TEST_P(PublishedProblems, AreAllProvedOptimalOrInfeasible) {
 INSTANTIATE_TEST_SUITE_P(Shared, PublishedProblems, testing::Values("lego", "furniture"),
                          [](const auto& row) { return std::string(row.param); });
 
+// Peeling single parts meets the bound on ISS (-2.1506) and on JWST (-16.7118), with
+// and without limits.
+TEST(Automatic, ProvesTheSpaceStationAndTheTelescopeByTheBoundOverSizes) {
+  const std::pair<const char*, double> known[] = {
+      {"iss", -2.1506}, {"iss-upc", -2.1506}, {"jwst", -16.7118}, {"jwst-upc", -16.7118}};
+  for (const auto& [name, reward] : known) {
+    const Problem problem = load_scenario(name);
+    const Result result = solve(problem, "auto");
+    EXPECT_EQ(result.status, Status::Optimal) << name;
+    EXPECT_NEAR(result.reward, reward, 1e-9) << name;
+    EXPECT_NEAR(evaluate(problem, result.sequence).reward, reward, 1e-9) << name;
+    EXPECT_TRUE(evaluate(problem, result.sequence).valid) << name;
+  }
+}
+
+TEST(Automatic, GivesAPlanAndABoundWhereItIsStopped) {
+  const Problem problem =
+      load_scenario("random:60:120:5").with_objective(Objective::named("indexed"));
+  const Result result = solve(problem, "auto", {}, Budget::with_time_limit(0.2));
+  EXPECT_EQ(result.status, Status::Feasible);
+  EXPECT_EQ(result.stop, Stop::TimeLimit);
+  ASSERT_TRUE(result.bound.has_value());
+  EXPECT_LE(result.reward, *result.bound);
+  EXPECT_TRUE(evaluate(problem, result.sequence).valid);
+}
+
 }  // namespace
 }  // namespace orasp
