@@ -165,6 +165,16 @@ Result solve(const Task& task, std::string_view method, const Options& options,
   return result;
 }
 
+std::optional<std::string> obstacle(const Problem& problem, std::string_view method,
+                                    const Options& options, const Budget& budget) {
+  return obstacle(Task(problem), method, options, budget);
+}
+
+Result solve(const Problem& problem, std::string_view method, const Options& options,
+             const Budget& budget) {
+  return solve(Task(problem), method, options, budget);
+}
+
 void require_honest(const Task& task, const Result& result) {
   if (!result.has_plan()) return;
   task.problem.objective().of_fleet() ? require_honest_fleet_plan(task, result)

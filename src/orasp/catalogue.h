@@ -100,6 +100,10 @@ struct Planner {
 [[nodiscard]] std::optional<std::string> obstacle(const Task& task, std::string_view method,
                                                   const Options& options = {},
                                                   const Budget& budget = {});
+/// The same for the whole of a problem.
+[[nodiscard]] std::optional<std::string> obstacle(const Problem& problem, std::string_view method,
+                                                  const Options& options = {},
+                                                  const Budget& budget = {});
 
 /// Answers a task by the method called `method` (see planners()): the one front door, for one robot
 /// and for several, for the whole job and for what is left of it.
@@ -115,6 +119,9 @@ struct Planner {
 /// @throws std::logic_error where a method's plan fails the check, which is a fault of ours.
 [[nodiscard]] Result solve(const Task& task, std::string_view method, const Options& options = {},
                            const Budget& budget = {});
+/// The same for the whole of a problem, which need not outlive the call.
+[[nodiscard]] Result solve(const Problem& problem, std::string_view method,
+                           const Options& options = {}, const Budget& budget = {});
 
 /// The check of solve() alone, for results that did not come out of it: nothing where `result` has
 /// no plan. @throws std::logic_error where its plan breaks a rule or earns another reward than

@@ -62,6 +62,7 @@ REFUSED = {
     "an evaluator of a temporary policy": ("PolicyEvaluator e(policy); use(e);", "PolicyEvaluator e(make_policy()); use(e);",
                                            DELETED),
     "a fleet of a temporary problem": ("FleetProblem f(problem); use(f);", "FleetProblem f(make_problem()); use(f);", DELETED),
+    "a task of a temporary problem": ("Task t(problem); use(t.whole());", "Task t(make_problem()); use(t.whole());", DELETED),
     "an expander of a temporary fleet": ("FleetExpander e(fleet); use(e);", "FleetExpander e(FleetProblem{problem}); use(e);",
                                          DELETED),
 }

@@ -102,6 +102,8 @@ UncertainGraph UncertainGraph::build(const TransitionSystem& system, const Budge
 }
 
 UncertainSolution solve_uncertain(const UncertainGraph& graph) {
+  using State = UncertainGraph::State;
+  using Attempt = UncertainGraph::Attempt;
   const detail::AttemptOutcomes outcomes(graph);
   UncertainSolution solution;
   solution.values.assign(graph.num_states(), -kInfinity);

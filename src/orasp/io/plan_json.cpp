@@ -371,6 +371,12 @@ std::string plan_text(const Task& task, const Result& result,
   return text + "\n}\n";
 }
 
+std::string plan_text(const Problem& problem, const Result& result,
+                      const std::map<std::string, std::string>& options,
+                      const Alternatives* alternatives) {
+  return plan_text(Task(problem), result, options, alternatives);
+}
+
 PlanFile parse_plan(std::string_view text, Direction direction) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());

@@ -23,6 +23,11 @@ namespace orasp {
                                     const Alternatives* alternatives = nullptr,
                                     const std::map<std::string, std::string>& more = {});
 
+/// The same for the whole of a problem, which need not outlive the call.
+[[nodiscard]] std::string plan_text(const Problem& problem, const Result& result,
+                                    const std::map<std::string, std::string>& options,
+                                    const Alternatives* alternatives = nullptr);
+
 /// A plan as read: the ids in the order of the problem's direction.
 struct PlanFile {
   std::vector<std::string> sequence;

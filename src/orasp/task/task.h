@@ -25,6 +25,9 @@ struct Task {
       : problem(whole), situation(Situation::whole(whole.num_connections())) {}
   /// What is left of the problem in the middle of the work.
   Task(const Problem& whole, Situation now) : problem(whole), situation(std::move(now)) {}
+  // A problem that goes out of scope at once.
+  Task(const Problem&&) = delete;             // NOLINT(google-explicit-constructor)
+  Task(const Problem&&, Situation) = delete;  // NOLINT(performance-move-const-arg)
 
   const Problem& problem;
   Situation situation;
