@@ -8,9 +8,7 @@
 
 namespace orasp::detail {
 
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 std::optional<DenseForest> dense_forest_of(const TransitionSystem& system) {
   const Problem& problem = system.problem();
