@@ -20,8 +20,8 @@ install(
 if(EXISTS "${PROJECT_SOURCE_DIR}/docs/orasp.1")
   install(FILES docs/orasp.1 DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
 endif()
-if(EXISTS "${PROJECT_SOURCE_DIR}/cli/orasp.bash")
-  install(FILES cli/orasp.bash DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME orasp)
+if(TARGET orasp_cli)  # its build writes the script
+  install(FILES "${PROJECT_BINARY_DIR}/cli/orasp.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME orasp)
 endif()
 if(EXISTS "${PROJECT_SOURCE_DIR}/data/LICENSE.furniture")  # of a built-in problem
   install(FILES data/LICENSE.furniture DESTINATION "${CMAKE_INSTALL_DOCDIR}")

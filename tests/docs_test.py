@@ -2,7 +2,8 @@
 """Checks that the documentation is not stale.
 
     tests/docs_test.py PROGRAM            check it against this orasp
-    tests/docs_test.py PROGRAM --update   first write the program's outputs into the examples
+    tests/docs_test.py PROGRAM --update   first write the program's outputs into the examples, and its
+                                          options into docs/cli.md and docs/orasp.1
 
 An example is a block ```console with lines `$ ./run ...` or `$ orasp ...`, each followed by what it prints (both
 streams). It is run in a folder that shows the repository's files; what examples write there, later ones find. Times and memory sizes may differ, nothing else.
@@ -16,6 +17,8 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+import docs_options
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ""
@@ -127,6 +130,23 @@ def update():
 
 
 # ---------------------------------------------------------------------------------------------------------------------
+# Options
+
+def pages_of_options():
+    """The pages that hold what the helps say of the options -> their text as it should be."""
+    helps = {name: orasp(name, "--help")[1] for name in commands()}
+    return {"docs/cli.md": docs_options.refreshed_page(page("docs/cli.md"), helps),
+            "docs/orasp.1": docs_options.refreshed_manual(page("docs/orasp.1"), helps)}
+
+
+def update_options():
+    for name, text in pages_of_options().items():
+        if text != page(name):
+            (ROOT / name).write_text(text, encoding="utf-8")
+            print(f"updated {name}")
+
+
+# ---------------------------------------------------------------------------------------------------------------------
 # Links
 
 def slug(heading):
@@ -197,11 +217,19 @@ class Docs(unittest.TestCase):
             with self.subTest(code=code):
                 self.assertRegex(page("docs/cli.md"), rf"(?m)^\| *`?{code}`? *\|")
 
-    def test_completion_knows_every_name(self):
-        script = page("cli/orasp.bash")
-        for variable, names in (("commands", commands()), ("methods", methods()), ("fleet_methods", fleet_methods()), ("objectives", objectives())):
-            with self.subTest(variable=variable):
-                self.assertEqual(re.search(rf'{variable}="([^"]*)"', script)[1].split(), names)
+    def test_options_are_described_as_the_helps_say(self):
+        for name, text in pages_of_options().items():
+            with self.subTest(page=name):
+                self.assertEqual(page(name), text, "refresh it with: tests/docs_test.py PROGRAM --update")
+
+    def test_no_option_is_lost_on_the_way_into_the_pages(self):
+        for name in commands():
+            help_text = orasp(name, "--help")[1]
+            listed = re.findall(r"^  (?:-\w )?(--[a-z-]+)", help_text, re.MULTILINE)
+            found = [option.names[0 if option.names[0].startswith("--") else 1]
+                     for option in docs_options.options_of(help_text)]
+            with self.subTest(command=name):
+                self.assertEqual([word for word in listed if word != "--help"], found)
 
     def test_the_cpp_example_compiles(self):
         block = next(text for _, language, text in FENCE.findall(page("README.md")) if language == "cpp")
@@ -272,4 +300,5 @@ if __name__ == "__main__":
     if "--update" in sys.argv:
         sys.argv.remove("--update")
         update()
+        update_options()
     unittest.main()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -331,16 +332,17 @@ int run(const CompareOptions& options, const Context& context) {
   return interrupted ? kStopped : kSolved;
 }
 
-int compare_command(const Arguments& arguments) {
-  CompareOptions options;
-  bool quiet = false;
-  CommandLine line("compare", "Runs several methods on several problems and prints one table.");
+CommandWork compare_command(CommandLine& line) {
+  const auto chosen = std::make_shared<CompareOptions>();
+  CompareOptions& options = *chosen;
+  line.about("Runs several methods on several problems and prints one table.");
   line.positionals("PROBLEM", options.problems, kProblemHelp);
   line.group("Method");
   line.text("--methods", "A,B,...",
             "Methods to run (default: every exact one that accepts the problem; every one for "
             "fleets where there is a fleet).",
             options.methods);
+  line.words(method_names());
   add_seed_option(line, options.seed, "the methods that draw random numbers");
   line.whole(
       "--steps", "N",
@@ -349,7 +351,7 @@ int compare_command(const Arguments& arguments) {
       options.steps, 1, 1'000'000);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits, " each run");
-  add_output_options(line, options.json, options.output, quiet, "the table");
+  add_output_options(line, options.json, options.output, "the table");
   line.flag("--csv", options.csv,
             "Print the table as CSV; -o then writes CSV too (default: text for people).");
   line.flag("--markdown", options.markdown,
@@ -363,7 +365,7 @@ int compare_command(const Arguments& arguments) {
               "\n"
               "Exit codes: 0 compared, whatever the methods said; 20 interrupted, the rows so\n"
               "far are printed; 30 wrong input; 40 exact methods disagree.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -28,8 +28,8 @@ struct CompareOptions {
 /// @throws InputError.
 [[nodiscard]] int run(const CompareOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp compare`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int compare_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp compare`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork compare_command(CommandLine& line);
 
 }  // namespace orasp::cli

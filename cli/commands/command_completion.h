@@ -11,12 +11,12 @@ struct CompletionOptions {
   std::string shell;
 };
 
-/// `orasp completion bash`: prints the script cli/orasp.bash. @returns the exit code. @throws
-/// InputError.
+/// `orasp completion bash`: prints the script, which is put together from what the commands
+/// declare. @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const CompletionOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp completion`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int completion_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp completion`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork completion_command(CommandLine& line);
 
 }  // namespace orasp::cli

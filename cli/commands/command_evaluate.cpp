@@ -1,5 +1,7 @@
 #include "cli/commands/command_evaluate.h"
 
+#include <memory>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -120,18 +122,17 @@ int run(const EvaluateOptions& options, const Context& context) {
   return evaluation.valid ? kSolved : kNoPlan;
 }
 
-int evaluate_command(const Arguments& arguments) {
-  EvaluateOptions options;
-  bool quiet = false;
-  CommandLine line("evaluate",
-                   "Replays a plan step by step: its reward, and every rule that it breaks.");
+CommandWork evaluate_command(CommandLine& line) {
+  const auto chosen = std::make_shared<EvaluateOptions>();
+  EvaluateOptions& options = *chosen;
+  line.about("Replays a plan step by step: its reward, and every rule that it breaks.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.positional(
       "PLAN", options.plan,
       "a plan file, a JSON array of connection ids or a text with one id a line, in the problem's "
       "direction; - for standard input");
   add_problem_options(line, options.changes);
-  add_output_options(line, options.json, options.output, quiet, "the verdict");
+  add_output_options(line, options.json, options.output, "the verdict");
   line.footer(
       "\nExamples:\n"
       "  orasp evaluate hubble plan.json\n"
@@ -139,7 +140,7 @@ int evaluate_command(const Arguments& arguments) {
       "  orasp evaluate product.json order.txt --max-moved-parts 3\n"
       "\n"
       "Exit codes: 0 valid, 10 not valid, 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

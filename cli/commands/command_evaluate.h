@@ -20,8 +20,8 @@ struct EvaluateOptions {
 /// @throws InputError.
 [[nodiscard]] int run(const EvaluateOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp evaluate`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int evaluate_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp evaluate`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork evaluate_command(CommandLine& line);
 
 }  // namespace orasp::cli

@@ -1,6 +1,7 @@
 #include "cli/commands/command_explain.h"
 
 #include <algorithm>
+#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -273,11 +274,10 @@ int run(const ExplainOptions& options, const Context& context) {
                             : explain_all(problem, options, context);
 }
 
-int explain_command(const Arguments& arguments) {
-  ExplainOptions options;
-  bool quiet = false;
-  CommandLine line(
-      "explain",
+CommandWork explain_command(CommandLine& line) {
+  const auto chosen = std::make_shared<ExplainOptions>();
+  ExplainOptions& options = *chosen;
+  line.about(
       "Says why there is no plan: a smallest set of constraints that conflict; or why a\n"
       "connection cannot be handled first, and what would have to change.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
@@ -291,7 +291,7 @@ int explain_command(const Arguments& arguments) {
              options.step, 1);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
-  add_output_options(line, options.json, options.output, quiet, "the explanation");
+  add_output_options(line, options.json, options.output, "the explanation");
   line.footer(
       "\nExamples:\n"
       "  orasp explain product.json\n"
@@ -301,7 +301,7 @@ int explain_command(const Arguments& arguments) {
       "\n"
       "Exit codes: 0 a plan exists, or the connection may be handled; 10 no plan exists, or\n"
       "it may not; 20 not decided within the limits; 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -24,8 +24,8 @@ struct ExplainOptions {
 /// the exit code. @throws InputError.
 [[nodiscard]] int run(const ExplainOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp explain`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int explain_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp explain`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork explain_command(CommandLine& line);
 
 }  // namespace orasp::cli

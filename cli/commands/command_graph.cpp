@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -154,12 +155,12 @@ int run(const GraphOptions& options, const Context& context) {
   return facts.stop != Stop::None ? kStopped : facts.infeasible ? kNoPlan : kSolved;
 }
 
-int graph_command(const Arguments& arguments) {
-  GraphOptions options;
-  bool quiet = false;
-  CommandLine line("graph",
-                   "Builds the state-action graph H and prints its size, layer by layer, and that\n"
-                   "of the tree H~ that repeats a state for every order that reaches it.");
+CommandWork graph_command(CommandLine& line) {
+  const auto chosen = std::make_shared<GraphOptions>();
+  GraphOptions& options = *chosen;
+  line.about(
+      "Builds the state-action graph H and prints its size, layer by layer, and that\n"
+      "of the tree H~ that repeats a state for every order that reaches it.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Drawing");
   line.text("--dot", "FILE",
@@ -171,7 +172,7 @@ int graph_command(const Arguments& arguments) {
             options.svg);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
-  add_output_options(line, options.json, options.output, quiet, "the sizes");
+  add_output_options(line, options.json, options.output, "the sizes");
   line.footer(
       "\nExamples:\n"
       "  orasp graph lattice\n"
@@ -179,7 +180,7 @@ int graph_command(const Arguments& arguments) {
       "  orasp graph 2x3 --dot - | dot -Tpdf -o 2x3.pdf\n"
       "\n"
       "Exit codes: 0 built, 10 proved infeasible, 20 a limit stopped it, 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -22,8 +22,8 @@ struct GraphOptions {
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const GraphOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp graph`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int graph_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp graph`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork graph_command(CommandLine& line);
 
 }  // namespace orasp::cli

@@ -1,6 +1,7 @@
 #include "cli/commands/command_paper.h"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <system_error>
 
@@ -82,21 +83,21 @@ int run(const PaperOptions& options, const Context& context) {
   return kSolved;
 }
 
-int paper_command(const Arguments& arguments) {
-  PaperOptions options;
-  bool quiet = false;
-  bool no_learning = false;
-  CommandLine line("paper",
-                   "Computes everything of the paper again that can be computed, beside the\n"
-                   "printed numbers: DIR/paper.html, paper.md, paper.json, figures/*.svg.");
+CommandWork paper_command(CommandLine& line) {
+  const auto chosen = std::make_shared<PaperOptions>();
+  PaperOptions& options = *chosen;
+  line.about(
+      "Computes everything of the paper again that can be computed, beside the\n"
+      "printed numbers: DIR/paper.html, paper.md, paper.json, figures/*.svg.");
   line.text("-o,--output", "DIR",
             "Write into this folder, which is made if it is missing (default: orasp-paper).",
             options.folder);
   line.flag("--quick", options.effort.quick,
             "Fewer repeats, smaller growth, training of a second or two (default: a few minutes).");
-  line.flag("--no-learning", no_learning, "Leave the learned plans out (default: train them).");
+  line.turn_off("--no-learning", options.effort.learning,
+                "Leave the learned plans out (default: train them).");
   line.flag("--json", options.json, "Print the numbers as JSON (default: what was written).");
-  line.flag("--quiet", quiet, "No progress on standard error (default: what comes next).");
+  line.quiet_flag("No progress on standard error (default: what comes next).");
   line.footer(
       "\nExamples:\n"
       "  orasp paper -o paper\n"
@@ -104,9 +105,7 @@ int paper_command(const Arguments& arguments) {
       "\n"
       "Exit codes: 0 written, 20 Ctrl-C stopped it (nothing is written), 30 wrong input, or\n"
       "Graphviz or gnuplot is missing.");
-  if (!line.parse(arguments)) return kSolved;
-  options.effort.learning = !no_learning;
-  return run(options, Context(quiet));
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -20,8 +20,8 @@ struct PaperOptions {
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const PaperOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp paper`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int paper_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp paper`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork paper_command(CommandLine& line);
 
 }  // namespace orasp::cli

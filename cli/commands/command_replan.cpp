@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -317,17 +318,16 @@ int run(const ReplanOptions& options, const Context& context) {
   return exit_code(result);
 }
 
-int replan_command(const Arguments& arguments) {
-  ReplanOptions options;
-  bool quiet = false;
-  CommandLine line(
-      "replan",
+CommandWork replan_command(CommandLine& line) {
+  const auto chosen = std::make_shared<ReplanOptions>();
+  ReplanOptions& options = *chosen;
+  line.about(
       "Finds the best plan from where the work stands, with what has changed since, and\n"
       "says what that changes in the old plan.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Where the work stands");
   line.value("--plan", "FILE", "The old plan; - for standard input (default: none).",
-             [&](const std::string& given) { options.plan = given; });
+             [&options](const std::string& given) { options.plan = given; });
   line.whole("--done", "K", "The first K steps of the old plan are done (default: 0).",
              options.done, 0);
   line.text("--removed,--made", "IDS",
@@ -350,7 +350,7 @@ int replan_command(const Arguments& arguments) {
             options.late_parts);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
-  add_output_options(line, options.json, options.output, quiet,
+  add_output_options(line, options.json, options.output,
                      "the steps still to come (format orasp-plan/1)");
   line.footer(
       "\nExamples:\n"
@@ -361,7 +361,7 @@ int replan_command(const Arguments& arguments) {
       "\n"
       "Exit codes: 0 solved, 10 proved infeasible (the conflict is named), 20 a limit or\n"
       "Ctrl-C stopped it (the best plan so far is printed), 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

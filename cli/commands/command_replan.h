@@ -29,8 +29,8 @@ struct ReplanOptions {
 /// @throws InputError.
 [[nodiscard]] int run(const ReplanOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp replan`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int replan_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp replan`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork replan_command(CommandLine& line);
 
 }  // namespace orasp::cli

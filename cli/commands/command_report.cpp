@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -299,11 +300,10 @@ int run(const ReportOptions& options, const Context& context) {
   return valid ? kSolved : kNoPlan;
 }
 
-int report_command(const Arguments& arguments) {
-  ReportOptions options;
-  bool quiet = false;
-  CommandLine line(
-      "report",
+CommandWork report_command(CommandLine& line) {
+  const auto chosen = std::make_shared<ReportOptions>();
+  ReportOptions& options = *chosen;
+  line.about(
       "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
       "as a drawing, each plan step by step with what allows it, charts, what is proved.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
@@ -343,7 +343,7 @@ int report_command(const Arguments& arguments) {
   line.whole("--threads", "N", "Threads of the search (default: all of the machine's).",
              options.limits.threads, 1, 4096);
   line.group("Output");
-  line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
+  line.quiet_flag("No progress and no warnings on standard error (default: both).");
   line.footer(
       "\nExamples:\n"
       "  orasp report hubble -o hubble.html\n"
@@ -352,7 +352,7 @@ int report_command(const Arguments& arguments) {
       "\n"
       "Exit codes: 0 written, 10 written, but a plan breaks rules or none exists (proved),\n"
       "20 written, but a limit stopped the search for a plan, 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

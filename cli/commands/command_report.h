@@ -29,8 +29,8 @@ struct ReportOptions {
 /// @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const ReportOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp report`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int report_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp report`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork report_command(CommandLine& line);
 
 }  // namespace orasp::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -185,12 +186,12 @@ int run(const SampleOptions& options, const Context& context) {
   return exit_code(sample.last);
 }
 
-int sample_command(const Arguments& arguments) {
-  SampleOptions options;
-  bool quiet = false;
-  CommandLine line("sample",
-                   "Draws random legal sequences, every legal action of a state as likely as any\n"
-                   "other, and describes their rewards.");
+CommandWork sample_command(CommandLine& line) {
+  const auto chosen = std::make_shared<SampleOptions>();
+  SampleOptions& options = *chosen;
+  line.about(
+      "Draws random legal sequences, every legal action of a state as likely as any\n"
+      "other, and describes their rewards.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Sample");
   line.whole("-n,--count", "N", "Sequences to draw (default: 100).", options.count, 1);
@@ -201,7 +202,7 @@ int sample_command(const Arguments& arguments) {
             options.policy);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
-  add_output_options(line, options.json, options.output, quiet, "the figures and all rewards");
+  add_output_options(line, options.json, options.output, "the figures and all rewards");
   line.flag("--sequences", options.sequences,
             "Add the sequences to the JSON (default: rewards alone).");
   line.footer(
@@ -210,7 +211,7 @@ int sample_command(const Arguments& arguments) {
       "  orasp sample jwst -n 100 --seed 7 --json --sequences\n"
       "\n"
       "Exit codes: 0 drawn, 10 proved infeasible, 20 a limit stopped it, 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -24,8 +24,8 @@ struct SampleOptions {
 /// @throws InputError.
 [[nodiscard]] int run(const SampleOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp sample`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int sample_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp sample`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork sample_command(CommandLine& line);
 
 }  // namespace orasp::cli

@@ -1,5 +1,6 @@
 #include "cli/commands/command_scenarios.h"
 
+#include <memory>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -57,12 +58,12 @@ int run(const ScenariosOptions& options, const Context& context) {
   return kSolved;
 }
 
-int scenarios_command(const Arguments& arguments) {
-  ScenariosOptions options;
-  bool quiet = false;
-  CommandLine line("scenarios", "Lists the built-in problems, or prints one as a problem file.");
+CommandWork scenarios_command(CommandLine& line) {
+  const auto chosen = std::make_shared<ScenariosOptions>();
+  ScenariosOptions& options = *chosen;
+  line.about("Lists the built-in problems, or prints one as a problem file.");
   line.positional("[NAME]", options.name, "a scenario: hubble, grid:5x5 (default: list them)");
-  add_output_options(line, options.json, options.output, quiet, "the list or the problem");
+  add_output_options(line, options.json, options.output, "the list or the problem");
   line.footer(
       "\nExamples:\n"
       "  orasp scenarios\n"
@@ -70,7 +71,7 @@ int scenarios_command(const Arguments& arguments) {
       "  orasp scenarios tree:500:7 | orasp sample - -n 10\n"
       "\n"
       "Exit codes: 0 printed, 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

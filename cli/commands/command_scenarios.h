@@ -17,8 +17,8 @@ struct ScenariosOptions {
 /// @throws InputError.
 [[nodiscard]] int run(const ScenariosOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp scenarios`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int scenarios_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp scenarios`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork scenarios_command(CommandLine& line);
 
 }  // namespace orasp::cli

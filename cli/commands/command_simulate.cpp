@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -209,11 +210,10 @@ int run(const SimulateOptions& options, const Context& context) {
   return outcome.simulation.stop == Stop::None ? kSolved : kStopped;
 }
 
-int simulate_command(const Arguments& arguments) {
-  SimulateOptions options;
-  bool quiet = false;
-  CommandLine line(
-      "simulate",
+CommandWork simulate_command(CommandLine& line) {
+  const auto chosen = std::make_shared<SimulateOptions>();
+  SimulateOptions& options = *chosen;
+  line.about(
       "Executes a plan or a policy with random failures, again and again, and describes\n"
       "the rewards and the attempts. The mean agrees with the computed expectation.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
@@ -233,7 +233,7 @@ int simulate_command(const Arguments& arguments) {
   add_seed_option(line, options.seed, "the failures");
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits, "", false);
-  add_output_options(line, options.json, options.output, quiet, "the figures");
+  add_output_options(line, options.json, options.output, "the figures");
   line.footer(
       "\nExamples:\n"
       "  orasp simulate product.json\n"
@@ -243,7 +243,7 @@ int simulate_command(const Arguments& arguments) {
       "\n"
       "Exit codes: 0 simulated, 10 proved infeasible, 20 a limit or Ctrl-C stopped it (the\n"
       "runs so far are described), 30 wrong input.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -23,8 +23,8 @@ struct SimulateOptions {
 /// `orasp simulate PROBLEM`: runs with random failures. @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const SimulateOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp simulate`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int simulate_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp simulate`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork simulate_command(CommandLine& line);
 
 }  // namespace orasp::cli

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,7 +14,6 @@
 #include "cli/output/progress.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
-#include "orasp/bounds/bound_kinds.h"
 #include "orasp/explain/alternatives.h"
 #include "orasp/fleet/fleet_mip.h"
 #include "orasp/graph/graph_estimate.h"
@@ -26,64 +26,18 @@
 namespace orasp::cli {
 namespace {
 
-void refuse_foreign_options(const SolveOptions& options) {
-  const auto searches = {"orasp-search", "a-star", "beam", "q-learning"};
-  if (options.bound && std::ranges::find(searches, options.method) == searches.end()) {
-    throw InputError(fmt::format(
-        "--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to {}",
-        options.method));
-  }
-  if (!options.policy.empty() && options.method != "dqn") {
-    throw InputError(fmt::format("--policy belongs to the method dqn, not to {}", options.method));
-  }
-  if (!options.write_model.empty()) {
-    if (options.method != "mip")
-      throw InputError(
-          fmt::format("--write-model belongs to the method mip, not to {}", options.method));
-    require_model_file(options.write_model);
-    const char* const idle = !options.output.empty()    ? "--output"
-                             : options.count            ? "--count"
-                             : options.alternatives > 0 ? "--alternatives"
-                                                        : nullptr;
-    if (idle != nullptr)
-      throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
-  }
-  if (options.method == "value-iteration") return;
-  const char* const foreign = options.sweep_order     ? "--sweep-order"
-                              : options.epsilon       ? "--epsilon"
-                              : options.max_sweeps    ? "--max-sweeps"
-                              : options.initial_value ? "--initial-value"
+void refuse_idle_options(const SolveOptions& options) {
+  if (options.write_model.empty()) return;
+  if (options.method != "mip")
+    throw InputError(
+        fmt::format("--write-model belongs to the method mip, not to {}", options.method));
+  require_model_file(options.write_model);
+  const char* const idle = !options.output.empty()    ? "--output"
+                           : options.count            ? "--count"
+                           : options.alternatives > 0 ? "--alternatives"
                                                       : nullptr;
-  if (foreign != nullptr)
-    throw InputError(fmt::format("{} belongs to the method value-iteration, not to {}", foreign,
-                                 options.method));
-}
-
-ValueIterationOptions::Order sweep_order_called(const std::string& name) {
-  if (name == "layers") return ValueIterationOptions::Order::Layers;
-  if (name == "textbook") return ValueIterationOptions::Order::Textbook;
-  throw InputError(
-      fmt::format("--sweep-order: {} is neither layers nor textbook", in_quotes(name)));
-}
-
-Options planner_options(const SolveOptions& options) {
-  Options chosen;
-  chosen.seed = options.seed;
-  if (options.bound) {
-    const std::vector<std::string> known(kBoundNames.begin(), kBoundNames.end());
-    if (std::ranges::find(known, *options.bound) == known.end()) {
-      throw InputError(fmt::format("--bound: {} is not a bound; bounds are {}{}",
-                                   in_quotes(*options.bound), fmt::join(known, ", "),
-                                   suggestion(*options.bound, known)));
-    }
-    chosen.bound = bound_called(*options.bound);
-  }
-  ValueIterationOptions& sweeps = chosen.value_iteration;
-  if (options.sweep_order) sweeps.order = sweep_order_called(*options.sweep_order);
-  sweeps.epsilon = options.epsilon.value_or(sweeps.epsilon);
-  sweeps.max_sweeps = options.max_sweeps.value_or(sweeps.max_sweeps);
-  sweeps.initial_value = options.initial_value.value_or(sweeps.initial_value);
-  return chosen;
+  if (idle != nullptr)
+    throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
 }
 
 Settings settings_of(const SolveOptions& options) {
@@ -91,12 +45,12 @@ Settings settings_of(const SolveOptions& options) {
   settings["method"] = json_string(options.method);
   note_changes(options.changes, settings);
   note_limits(options.limits, settings);
-  if (options.bound) settings["bound"] = json_string(*options.bound);
-  if (!options.policy.empty()) settings["policy"] = json_string(options.policy);
-  if (options.sweep_order) settings["sweep-order"] = json_string(*options.sweep_order);
-  if (options.epsilon) settings["epsilon"] = fmt::to_string(*options.epsilon);
-  if (options.max_sweeps) settings["max-sweeps"] = fmt::to_string(*options.max_sweeps);
-  if (options.initial_value) settings["initial-value"] = fmt::to_string(*options.initial_value);
+  const Options chosen = options_from(options.method, options.of_method);
+  for (const OptionSpec& row : planner_named(options.method).options()) {
+    const auto given = options.of_method.find(std::string(row.name));
+    if (given == options.of_method.end()) continue;
+    settings[given->first] = is_bare(row) ? value_of(row, chosen) : json_string(given->second);
+  }
   if (options.count) settings["count"] = "true";
   if (options.steps) settings["steps"] = fmt::to_string(*options.steps);
   if (options.alternatives > 0) settings["alternatives"] = fmt::to_string(options.alternatives);
@@ -194,16 +148,17 @@ void require_sense_of_other_plans(const Problem& problem, const SolveOptions& op
 
 int run(const SolveOptions& options, const Context& context) {
   const Planner& planner = planner_named(options.method);
-  refuse_foreign_options(options);
-  Options chosen = planner_options(options);
+  refuse_idle_options(options);
+  Options chosen = options_from(options.method, options.of_method, "--");
+  chosen.seed = options.seed;
   const Problem problem = load_problem(options.problem, options.changes, context);
   Task task(problem);
   task.steps = options.steps;
   require_sense_of_other_plans(problem, options);
   if (!options.write_model.empty()) return write_program(task, options, context);
-  if (!options.policy.empty()) {
+  if (const auto file = options.of_method.find("policy"); file != options.of_method.end()) {
     chosen.policy =
-        std::make_shared<const Policy>(read_policy(options.policy, problem).trained.policy);
+        std::make_shared<const Policy>(read_policy(file->second, problem).trained.policy);
   }
 
   Result result;
@@ -246,45 +201,26 @@ int run(const SolveOptions& options, const Context& context) {
   return code == kSolved && alternatives.stop != Stop::None ? kStopped : code;
 }
 
-int solve_command(const Arguments& arguments) {
-  SolveOptions options;
-  bool quiet = false;
-  CommandLine line(
-      "solve", "Finds a plan: the order in which to take a product apart, or to put it together.");
+CommandWork solve_command(CommandLine& line) {
+  const auto chosen = std::make_shared<SolveOptions>();
+  SolveOptions& options = *chosen;
+  line.about("Finds a plan: the order in which to take a product apart, or to put it together.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Method");
   line.text("--method", "METHOD", "One of those below (default: auto).", options.method);
+  line.words(method_names());
   add_seed_option(line, options.seed, "the methods that draw random numbers");
-  line.text(
-      "--bound", "BOUND",
-      fmt::format(
-          "orasp-search, a-star, beam, q-learning: the upper bound on what is left: {} (default: "
-          "best; none is the paper's).",
-          fmt::join(kBoundNames, ", ")),
-      options.bound);
-  line.text("--policy", "FILE",
-            "dqn: plan with this policy of `orasp train` (default: train one first).",
-            options.policy);
-  line.text("--write-model", "FILE",
-            "mip: write the integer program to FILE.lp or FILE.mps for another solver, and solve "
-            "nothing (default: solve it).",
-            options.write_model);
-  line.text("--sweep-order", "ORDER",
-            "value-iteration: layers, or textbook as in the paper (default: layers).",
-            options.sweep_order);
-  line.real("--epsilon", "REWARD",
-            "value-iteration: stop when no value changed by this much (default: 1e-9).",
-            options.epsilon, Sign::Positive);
-  line.whole("--max-sweeps", "N", "value-iteration: stop after N sweeps (default: none).",
-             options.max_sweeps, 1);
-  line.real("--initial-value", "REWARD",
-            "value-iteration: value of every state to begin with (default: 0).",
-            options.initial_value, Sign::Any);
   line.whole(
       "--steps", "N",
       "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
       "fewest possible).",
       options.steps, 1, 1'000'000);
+  add_method_options(line, options.of_method);
+  line.group("Of mip");
+  line.text("--write-model", "FILE",
+            "Write the integer program to FILE.lp or FILE.mps for another solver, and solve "
+            "nothing (default: solve it).",
+            options.write_model);
   line.group("Other plans");
   line.flag("--count", options.count,
             "Count the optimal sequences; builds H whatever the method (default: do not).");
@@ -293,7 +229,7 @@ int solve_command(const Arguments& arguments) {
              options.alternatives, 1, 1'000'000);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);
-  add_output_options(line, options.json, options.output, quiet, "the plan (format orasp-plan/1)");
+  add_output_options(line, options.json, options.output, "the plan (format orasp-plan/1)");
   line.footer(methods_help() +
               "\nExamples:\n"
               "  orasp solve hubble\n"
@@ -305,7 +241,7 @@ int solve_command(const Arguments& arguments) {
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
               "(the best plan so far is printed), 30 wrong input, 40 internal error.");
-  return line.parse(arguments) ? run(options, Context(quiet)) : kSolved;
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

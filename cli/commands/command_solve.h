@@ -6,6 +6,7 @@
 
 #include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
+#include "orasp/method_options.h"
 
 namespace orasp::cli {
 
@@ -19,22 +20,16 @@ struct SolveOptions {
   LimitOptions limits;
   bool count = false;                  ///< of the optimal sequences
   std::uint64_t alternatives = 0;      ///< how many of the best plans to list
-  std::optional<std::string> bound;    ///< of orasp-search, a-star, beam and q-learning
   std::optional<std::uint64_t> steps;  ///< of methods for fleets
-  std::string policy;                  ///< file, of dqn; empty: train first
   std::string write_model;             ///< file, of mip; empty: solve it
-  // of value-iteration alone
-  std::optional<std::string> sweep_order;
-  std::optional<double> epsilon;
-  std::optional<std::uint64_t> max_sweeps;
-  std::optional<double> initial_value;
+  OptionTexts of_method;               ///< those of the method's rows that were given
 };
 
 /// `orasp solve PROBLEM`: finds a plan and prints it. @returns the exit code. @throws InputError.
 [[nodiscard]] int run(const SolveOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp solve`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int solve_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp solve`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork solve_command(CommandLine& line);
 
 }  // namespace orasp::cli

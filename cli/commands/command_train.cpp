@@ -116,7 +116,7 @@ Json as_json(const Problem& problem, const Training& training, const TrainOption
   for (const ConnectionIndex c : result.sequence) sequence.push_back(problem.connection_id(c));
   Json document = {{"problem", problem.name()},
                    {"problem_digest", problem_digest(problem)},
-                   {"seed", options.dqn.seed},
+                   {"seed", options.learning.dqn.seed},
                    {"device", training.device},
                    {"episodes", training.record.episodes},
                    {"updates", training.record.updates},
@@ -180,7 +180,7 @@ int run(const TrainOptions& options, const Context& context) {
   }
   std::optional<PolicyFile> earlier;
   if (!options.resume.empty()) earlier = read_policy(options.resume, problem);
-  DqnOptions dqn = options.dqn;
+  DqnOptions dqn = options.learning.dqn;
   if (earlier) {
     dqn.hidden = earlier->trained.training.hidden;
     dqn.known_reward = earlier->trained.training.known_reward;
@@ -217,18 +217,12 @@ int run(const TrainOptions& options, const Context& context) {
   return exit_code(training.result);
 }
 
-int train_command(const Arguments& arguments) {
-  TrainOptions options;
-  bool quiet = false;
-  DqnOptions& dqn = options.dqn;
-  bool no_double_q = false;
-  bool no_returns = false;
-  bool no_known_reward = false;
-  bool no_scaling = false;
-  bool to_the_end = false;
-  CommandLine line("train",
-                   "Learns a policy by deep Q-learning: a network that says in every state which\n"
-                   "connection to handle next. `orasp solve --method dqn --policy` plans with it.");
+CommandWork train_command(CommandLine& line) {
+  const auto chosen = std::make_shared<TrainOptions>();
+  TrainOptions& options = *chosen;
+  line.about(
+      "Learns a policy by deep Q-learning: a network that says in every state which\n"
+      "connection to handle next. `orasp solve --method dqn --policy` plans with it.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.group("Training");
   line.text("-o,--output", "FILE",
@@ -239,70 +233,19 @@ int train_command(const Arguments& arguments) {
             options.log);
   line.real("--checkpoint-every", "SECONDS", "Write the policy this often (default: 30).",
             options.checkpoint_every, Sign::Positive);
-  line.whole("--episodes", "N",
-             "Episodes to play in all (default: 5000, and 20000 from 128 connections on).",
-             dqn.episodes, 1);
-  add_seed_option(line, dqn.seed, "the network's first weights and the random actions");
-  line.text("--device", "DEVICE", "auto, cpu or cuda (default: auto).", dqn.device);
-  line.flag("--to-the-end", to_the_end,
-            "Play all episodes (default: stop when the policy's plan earns the proved bound).");
-  line.group("As in the paper");
-  line.value("--hidden", "N,N,...",
-             "Units of the hidden layers (default: two of 128, or of the connections if they are "
-             "more).",
-             [&dqn](const std::string& given) {
-               dqn.hidden = whole_numbers("--hidden", given, 1, 65'536);
-             });
-  line.real("--learning-rate", "RATE", "Of AdamW (default: 0.001).", dqn.learning_rate,
-            Sign::Positive);
-  line.whole("--batch", "N", "Steps in a gradient step (default: three times the connections).",
-             dqn.batch, 1, 1'000'000);
-  line.whole("--replay", "N", "Steps remembered (default: 100000).", dqn.replay, 1, 100'000'000);
-  line.real("--discount", "SHARE", "Of the rewards to come (default: 1).", dqn.discount,
-            Sign::Share);
-  line.real("--epsilon-start", "SHARE", "Random actions at first (default: 0.85).",
-            dqn.epsilon_start, Sign::Share);
-  line.real("--epsilon-end", "SHARE", "Random actions in the end (default: 0.05).", dqn.epsilon_end,
-            Sign::Share);
-  line.real("--epsilon-decay", "STEPS", "Steps in which they fall by 1/e (default: 1000).",
-            dqn.epsilon_decay, Sign::Positive);
-  line.real("--target-rate", "SHARE",
-            "What the target network takes over at each gradient step (default: 0.01).",
-            dqn.target_rate, Sign::Share);
-  line.real("--gradient-clip", "SIZE", "Cut the gradient's components here (default: 100).",
-            dqn.gradient_clip, Sign::Positive);
-  line.real("--curriculum", "SHARE",
-            "Share of the episodes in which the network takes over ever earlier, having begun with "
-            "the last connection (default: 0.5).",
-            dqn.curriculum, Sign::Share);
-  line.group("Beyond the paper");
-  line.whole("--environments", "N",
-             "Episodes side by side that explore, beside one that acts greedily (default: 7, "
-             "and 31 from 128 connections on).",
-             dqn.environments, 1, 65'536);
-  line.whole("--updates-per-step", "N",
-             "Gradient steps for each step of all episodes (default: 1).", dqn.updates_per_step, 1,
-             1'000'000);
-  line.whole("--n-step", "N",
-             "Rewards that a target takes from its episode before the network's estimate; 0: all "
-             "(default: 5).",
-             dqn.n_step, 0);
-  line.real("--imitation", "SHARE",
-            "Share of each batch that is taken from the best episode (default: 0.1).",
-            dqn.imitation, Sign::Share);
-  line.flag("--no-double-q", no_double_q,
-            "Let the target network choose the action it values (default: the network chooses).");
-  line.flag("--no-returns", no_returns,
-            "Let a target be below what its episode earned (default: never).");
-  line.flag("--no-known-reward", no_known_reward,
-            "Let the network learn each step's own reward too (default: it is added).");
-  line.flag("--no-scaling", no_scaling,
-            "Learn rewards as they are (default: centred and scaled by random episodes).");
+  add_seed_option(line, options.learning.dqn.seed,
+                  "the network's first weights and the random actions");
+  for (const OptionSpec& row : training_options()) {
+    line.group(std::string(row.group));
+    line.option(row, [&options, &row](const std::string& text) {
+      set_option(row, "--" + std::string(row.name), text, options.learning);
+    });
+  }
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits, "", false);
   line.group("Output");
   line.flag("--json", options.json, "Print the outcome as JSON (default: text for people).");
-  line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
+  line.quiet_flag("No progress and no warnings on standard error (default: both).");
   line.footer(
       "\nExamples:\n"
       "  orasp train hubble-upc -o policy.pt\n"
@@ -312,13 +255,7 @@ int train_command(const Arguments& arguments) {
       "\n"
       "Exit codes: 0 trained, 10 proved infeasible, 20 a limit or Ctrl-C stopped it (the\n"
       "best policy so far is written), 30 wrong input or no libtorch.");
-  if (!line.parse(arguments)) return kSolved;
-  dqn.double_q = !no_double_q;
-  dqn.returns = !no_returns;
-  dqn.known_reward = !no_known_reward;
-  dqn.scale = !no_scaling;
-  dqn.stop_when_proved = !to_the_end;
-  return run(options, Context(quiet));
+  return [chosen](const Context& context) { return run(*chosen, context); };
 }
 
 }  // namespace orasp::cli

@@ -4,7 +4,7 @@
 
 #include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
-#include "orasp/learning/dqn.h"
+#include "orasp/catalogue.h"
 
 namespace orasp::cli {
 
@@ -15,7 +15,8 @@ struct TrainOptions {
   std::string log;               ///< file for a line of JSON after every round; empty: none
   double checkpoint_every = 30;  ///< s
   bool json = false;
-  DqnOptions dqn;
+  /// Of which `dqn` alone matters.
+  Options learning;
   ProblemChanges changes;
   LimitOptions limits;
 };
@@ -24,8 +25,8 @@ struct TrainOptions {
 /// InputError.
 [[nodiscard]] int run(const TrainOptions& options, const Context& context);
 
-/// Reads the words that stand behind `orasp train`, prints the help where they ask for it, and
-/// runs it. @returns the exit code. @throws InputError.
-[[nodiscard]] int train_command(const Arguments& arguments);
+/// Declares the arguments and options of `orasp train`.
+/// @returns what runs it once they are read.
+[[nodiscard]] CommandWork train_command(CommandLine& line);
 
 }  // namespace orasp::cli

@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "cli/context.h"
 #include "cli/output/text.h"
 #include "orasp/model/error.h"
 
@@ -72,13 +71,14 @@ std::string help_entry(std::string_view name, std::string_view meaning) {
 
 class CommandLine::Parser {
  public:
-  Parser(const std::string& name, const std::string& summary) : app_(summary, name) {
+  explicit Parser(const std::string& name) : app_("", name) {
     app_.formatter(std::make_shared<HelpFormatter>());
     app_.get_formatter()->label("Positionals", "Arguments");
     app_.allow_extras();
     app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
 
+  void about(const std::string& text) { app_.description(text); }
   void positional(const std::string& usage, std::string& target, const std::string& help) {
     app_.add_option(bare(usage), target, help)->type_name(usage);
     required(usage, [&target] { return target.empty(); });
@@ -90,8 +90,9 @@ class CommandLine::Parser {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     required(usage, [&targets] { return targets.empty(); });
   }
-  void flag(const std::string& names, bool& target, const std::string& help) {
-    app_.add_flag(names, target, help)->disable_flag_override()->group(group_);
+  void flag(const std::string& names, const std::string& help, const Setter& set) {
+    const auto take = [set](std::int64_t) { set(""); };
+    app_.add_flag_function(names, take, help)->disable_flag_override()->group(group_);
   }
   void value(const std::string& names, const std::string& unit, const std::string& help,
              Setter set) {
@@ -171,29 +172,61 @@ class CommandLine::Parser {
   std::vector<std::pair<std::string, std::function<bool()>>> required_;
 };
 
-CommandLine::CommandLine(const std::string& name, const std::string& summary)
-    : parser_(std::make_unique<Parser>(name, summary)) {}
-CommandLine::CommandLine(CommandLine&&) noexcept = default;
-CommandLine& CommandLine::operator=(CommandLine&&) noexcept = default;
+CommandLine::CommandLine(const std::string& name) : parser_(std::make_unique<Parser>(name)) {}
 CommandLine::~CommandLine() = default;
+
+void CommandLine::about(const std::string& text) {
+  parser_->about(text);
+}
 
 void CommandLine::positional(const std::string& usage, std::string& target,
                              const std::string& help) {
   parser_->positional(usage, target, help);
+  last_words_ = &arguments_.emplace_back(DeclaredArgument{usage, {}}).words;
 }
 
 void CommandLine::positionals(const std::string& usage, std::vector<std::string>& targets,
                               const std::string& help) {
   parser_->positionals(usage, targets, help);
+  last_words_ = &arguments_.emplace_back(DeclaredArgument{usage, {}}).words;
 }
 
 void CommandLine::flag(const std::string& names, bool& target, const std::string& help) {
-  parser_->flag(names, target, help);
+  flag(names, help, [&target](const std::string&) { target = true; });
+}
+
+void CommandLine::flag(const std::string& names, const std::string& help, Setter set) {
+  parser_->flag(names, help, set);
+  last_words_ = &options_.emplace_back(DeclaredOption{names, "", {}}).words;
+}
+
+void CommandLine::turn_off(const std::string& names, bool& target, const std::string& help) {
+  flag(names, help, [&target](const std::string&) { target = false; });
+}
+
+void CommandLine::quiet_flag(const std::string& help) {
+  flag("--quiet", quiet_, help);
 }
 
 void CommandLine::value(const std::string& names, const std::string& unit, const std::string& help,
                         Setter set) {
   parser_->value(names, unit, help, std::move(set));
+  last_words_ = &options_.emplace_back(DeclaredOption{names, unit, {}}).words;
+}
+
+void CommandLine::option(const OptionSpec& row, Setter set) {
+  const std::string names = "--" + std::string(row.name);
+  if (row.unit.empty()) {
+    flag(names, help_of(row), std::move(set));
+    return;
+  }
+  value(names, std::string(row.unit), help_of(row), std::move(set));
+  const std::span<const std::string_view> known = words_of(row);
+  words({known.begin(), known.end()});
+}
+
+void CommandLine::words(std::vector<std::string> known) {
+  *last_words_ = std::move(known);
 }
 
 void CommandLine::group(const std::string& title) {

@@ -1,9 +1,12 @@
 #include "cli/options/shared_options.h"
 
+#include <set>
+
 #include <fmt/format.h>
 
 #include "cli/output/text.h"
 #include "orasp/catalogue.h"
+#include "orasp/method_options.h"
 
 namespace orasp::cli {
 
@@ -19,6 +22,24 @@ std::string methods_help() {
   return text;
 }
 
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const Planner& planner : planners()) names.emplace_back(planner.name);
+  return names;
+}
+
+void add_method_options(CommandLine& line, OptionTexts& given) {
+  std::set<std::string> declared;
+  for (const Planner& planner : planners()) {
+    for (const OptionSpec& row : planner.options()) {
+      const std::string name(row.name);
+      if (!declared.insert(name).second) continue;
+      line.group("Of " + owners_of(name));
+      line.option(row, [&given, name](const std::string& text) { given[name] = text; });
+    }
+  }
+}
+
 void add_problem_options(CommandLine& line, ProblemChanges& changes) {
   line.group("Changes to the problem");
   line.text("--objective", "TYPE|FILE",
@@ -28,8 +49,12 @@ void add_problem_options(CommandLine& line, ProblemChanges& changes) {
                 "least travel.",
                 fmt::join(kObjectiveTypes, ", ")),
             changes.objective);
+  std::vector<std::string> objectives(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  objectives.insert(objectives.end(), kFleetObjectiveTypes.begin(), kFleetObjectiveTypes.end());
+  line.words(std::move(objectives));
   line.text("--direction", "DIRECTION", "disassembly or assembly (default: as in the file).",
             changes.direction);
+  line.words({"disassembly", "assembly"});
   line.whole("--max-subassemblies", "N",
              "At most N pieces of two or more parts after every step (default: as in the file).",
              changes.max_subassemblies, 0);
@@ -60,7 +85,7 @@ void add_limit_options(CommandLine& line, LimitOptions& limits, const std::strin
       limits.threads, 1, 4096);
 }
 
-void add_output_options(CommandLine& line, bool& json, std::string& output, bool& quiet,
+void add_output_options(CommandLine& line, bool& json, std::string& output,
                         const std::string& result) {
   line.group("Output");
   line.flag("--json", json, fmt::format("Print {} as JSON (default: text for people).", result));
@@ -68,7 +93,7 @@ void add_output_options(CommandLine& line, bool& json, std::string& output, bool
       "-o,--output", "FILE",
       fmt::format("Write {} as JSON to FILE too, whole or not at all (default: none).", result),
       output);
-  line.flag("--quiet", quiet, "No progress and no warnings on standard error (default: both).");
+  line.quiet_flag("No progress and no warnings on standard error (default: both).");
 }
 
 void add_seed_option(CommandLine& line, std::uint64_t& seed, const std::string& of) {

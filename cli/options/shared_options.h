@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
@@ -15,6 +16,13 @@ inline constexpr const char* kProblemHelp =
 /// The methods of the catalogue with their summaries, for the end of a help.
 [[nodiscard]] std::string methods_help();
 
+/// The names of all methods.
+[[nodiscard]] std::vector<std::string> method_names();
+
+/// The options that methods of the catalogue have, by their rows, each with the methods that it
+/// belongs to; what is given goes into `given`.
+void add_method_options(CommandLine& line, OptionTexts& given);
+
 void add_problem_options(CommandLine& line, ProblemChanges& changes);
 
 /// `of` says what is stopped: "" or " each run".
@@ -22,7 +30,7 @@ void add_limit_options(CommandLine& line, LimitOptions& limits, const std::strin
                        bool uses_threads = true);
 
 /// `result` is what --json prints: "the plan".
-void add_output_options(CommandLine& line, bool& json, std::string& output, bool& quiet,
+void add_output_options(CommandLine& line, bool& json, std::string& output,
                         const std::string& result);
 
 /// `of` says what the seed is of: "the sample".

@@ -11,6 +11,7 @@
 #include "orasp/fleet/fleet.h"
 #include "orasp/learning/dqn.h"
 #include "orasp/learning/policy.h"
+#include "orasp/method_options.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/a_star.h"
@@ -83,6 +84,8 @@ struct Planner {
   /// plan.
   std::optional<std::string> (*obstacle)(const Request&) = nullptr;
   Result (*run)(const Request&) = nullptr;
+  /// The rows of its options; --seed and --steps are not among them, since every method takes them.
+  std::span<const OptionSpec> (*options)() = no_options;
 };
 
 /// All methods, in the order of the documentation. The one table: command line, tests, docs and

