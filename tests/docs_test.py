@@ -258,7 +258,7 @@ class Docs(unittest.TestCase):
                         self.assertIn(anchor, anchors(file.read_text(encoding="utf-8")))
 
     def test_paths_named_in_the_text_exist(self):
-        folders = "|".join(["src", "cli", "tests", "benchmarks", "examples", "data", "docs", "tools", "cmake", r"\.ci"])
+        folders = "|".join(["src", "cli", "tests", "benchmarks", "examples", "data", "docs", "fuzz", "schemas", "tools", "cmake", r"\.ci"])
         for path in PAGES:
             for name in re.findall(rf"`((?:{folders})/[^`\s]*)`", prose(path.read_text(encoding="utf-8"))):
                 if re.search(r"[A-Z*<]", name.removesuffix("CMakeLists.txt")):

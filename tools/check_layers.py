@@ -40,7 +40,7 @@ INTERNAL = {"containers"}
 # What every folder may include.
 GROUND = {"orasp/model/error.h", "orasp/model/index.h", "orasp/model/connection_set.h"}
 # Folders that use the library -> may they include its internal folders?
-USERS = {"cli": False, "benchmarks": False, "examples": False, "tests": True}
+USERS = {"cli": False, "benchmarks": False, "examples": False, "fuzz": True, "tests": True}
 
 # First component of an included path -> the files that may include it. Nothing else is allowed.
 IO_INSIDE = r"src/orasp/(io|drawing|report)/(.*\.cpp|(.*/)?detail/.*)"

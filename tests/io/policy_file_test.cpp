@@ -84,6 +84,29 @@ TEST(PolicyFile, RefusesEveryCutAndEveryFlippedByte) {
   EXPECT_NE(message_of(bytes + "x"), "accepted");
 }
 
+TEST(PolicyFile, TakesNoNumberForACountThatIsNone) {
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"\"episodes\":7", "\"episodes\":-7"},
+           {"\"episodes\":7", "\"episodes\":7.5"},
+           {"\"steps\":8", "\"steps\":1e300"},
+           {"\"numbers\":2", "\"numbers\":-1"},
+           {"\"hidden\":[3]", "\"hidden\":[-3]"},
+           {"\"hidden\":[3]", "\"hidden\":3"},
+           {"\"layers\":[[2,3]", "\"layers\":[[2,-3]"},
+           {"\"best\":[1,0]", "\"best\":[1,4294967296]"},
+           {"\"random\":\"18364758544493064720\"", "\"random\":\"-1\""},
+           {"\"random\":\"18364758544493064720\"", "\"random\":\"12x\""}}) {
+    EXPECT_EQ(message_of(with_header(from, to)).find("the policy is not as it should be: its "), 0)
+        << to << ": " << message_of(with_header(from, to));
+  }
+}
+
+// nlohmann's message repeats the bytes that it could not read, whatever they are.
+TEST(PolicyFile, RepeatsNoByteThatIsNotJson) {
+  const std::string message = message_of(with_header("\"steps\":8", "\"steps\":\x7f\xff"));
+  EXPECT_EQ(message.find("the policy's first line is not JSON from byte "), 0) << message;
+}
+
 TEST(PolicyFile, SaysWhatIsWrong) {
   const std::string bytes = policy_bytes(example());
   EXPECT_NE(message_of("PK\x03\x04 an archive of libtorch").find("no policy"), std::string::npos);

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/model/detail/wording.h"
 #include "orasp/model/random.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
@@ -60,6 +61,15 @@ TEST(Evaluate, ReportsEveryFaultOfAList) {
   EXPECT_EQ(evaluation.violations[1].step, 3U);
   EXPECT_EQ(evaluation.violations[2].connection, "3-4");  // missing
   EXPECT_EQ(evaluation.steps.size(), 2U);
+}
+
+// A plan file may hold any text in the place of an id, and messages go to terminals.
+TEST(Evaluate, EscapesAnIdThatTheProblemDoesNotHave) {
+  const Evaluation evaluation = evaluate_ids(instances::one_connection(), {"1-2", "\x1b[31m"});
+  ASSERT_EQ(evaluation.violations.size(), 1U);
+  EXPECT_EQ(evaluation.violations[0].violation.message,
+            "the problem has no connection " + detail::in_quotes("\x1b[31m"));
+  EXPECT_EQ(evaluation.violations[0].violation.message.find('\x1b'), std::string::npos);
 }
 
 TEST(Evaluate, TheEmptyPlanOfNothingIsValid) {

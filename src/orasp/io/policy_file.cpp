@@ -1,6 +1,7 @@
 #include "orasp/io/policy_file.h"
 
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -81,6 +82,35 @@ Json header_of(const PolicyFile& file) {
             {"numbers", training.network.size()}}}};
 }
 
+/// A count as it must stand in the first line. nlohmann's own conversion would take -1 or 1e300 for
+/// some count.
+std::uint64_t count_of(const Json& value, std::string_view what) {
+  if (!value.is_number_unsigned())
+    throw InputError(fmt::format("its {} is not a whole number of 0 or more", what));
+  return value.get<std::uint64_t>();
+}
+
+template <class Number>
+std::vector<Number> counts_below(std::uint64_t limit, const Json& list, std::string_view what) {
+  if (!list.is_array()) throw InputError(fmt::format("its {} is not a list", what));
+  std::vector<Number> counts;
+  for (const Json& value : list) {
+    const std::uint64_t count = count_of(value, what);
+    if (count >= limit) throw InputError(fmt::format("its {} does not fit its layers", what));
+    counts.push_back(static_cast<Number>(count));
+  }
+  return counts;
+}
+
+/// The state of the random numbers: a decimal text, since a JSON number may not hold 64 bits.
+std::uint64_t random_state_of(const std::string& text) {
+  std::uint64_t state = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), state);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw InputError("its state of the random numbers is not a whole number of 64 bits");
+  return state;
+}
+
 PolicyFile from_header(const Json& header, Reader& reader) {
   PolicyFile file;
   file.problem_digest = header.at("problem_digest").get<std::string>();
@@ -92,8 +122,8 @@ PolicyFile from_header(const Json& header, Reader& reader) {
     throw InputError("its scale is not a number above 0");
   for (const Json& shape : header.at("layers")) {
     DenseLayer layer;
-    layer.inputs = shape.at(0).get<std::size_t>();
-    layer.outputs = shape.at(1).get<std::size_t>();
+    layer.inputs = count_of(shape.at(0), "size of a layer");
+    layer.outputs = count_of(shape.at(1), "size of a layer");
     const bool fits = file.trained.policy.layers.empty() ||
                       file.trained.policy.layers.back().outputs == layer.inputs;
     if (!fits || layer.inputs > kMostUnits || layer.outputs > kMostUnits)
@@ -107,25 +137,23 @@ PolicyFile from_header(const Json& header, Reader& reader) {
     throw InputError("its layers do not fit together");
   const Json& fields = header.at("training");
   TrainingState& training = file.trained.training;
-  training.episodes = fields.at("episodes").get<std::uint64_t>();
-  training.steps = fields.at("steps").get<std::uint64_t>();
-  training.updates = fields.at("updates").get<std::uint64_t>();
+  training.episodes = count_of(fields.at("episodes"), "number of episodes");
+  training.steps = count_of(fields.at("steps"), "number of steps");
+  training.updates = count_of(fields.at("updates"), "number of updates");
   training.seconds = fields.at("seconds").get<double>();
   training.scale = fields.at("scale").get<double>();
   training.baseline = fields.at("baseline").get<std::vector<double>>();
-  training.hidden = fields.at("hidden").get<std::vector<std::size_t>>();
+  training.hidden =
+      counts_below<std::size_t>(kMostUnits + 1, fields.at("hidden"), "list of hidden layers");
   training.known_reward = fields.at("known_reward").get<bool>();
-  training.random = std::stoull(fields.at("random").get<std::string>());
-  training.best = fields.at("best").get<std::vector<ConnectionIndex>>();
-  training.network = reader.take(fields.at("numbers").get<std::size_t>());
-  reader.end();
+  training.random = random_state_of(fields.at("random").get<std::string>());
   const std::size_t connections = file.trained.policy.num_connections();
+  training.best = counts_below<ConnectionIndex>(connections, fields.at("best"), "best plan");
+  training.network = reader.take(count_of(fields.at("numbers"), "number of numbers"));
+  reader.end();
   const auto& baseline = training.baseline;
   if (!(training.scale > 0) || (!baseline.empty() && baseline.size() != connections + 1))
     throw InputError("its training does not fit its layers");
-  for (const ConnectionIndex c : training.best) {
-    if (c >= connections) throw InputError("its best plan does not fit its layers");
-  }
   return file;
 }
 
@@ -156,11 +184,12 @@ PolicyFile parse_policy(std::string_view bytes) {
   try {
     Reader reader(body.substr(line + 1));
     return from_header(Json::parse(body.substr(0, line)), reader);
+  } catch (const Json::parse_error& error) {  // whose own words repeat bytes of the file
+    throw InputError(
+        fmt::format("the policy's first line is not JSON from byte {} on", error.byte));
   } catch (const Json::exception& error) {
     throw InputError(std::string("the policy's first line is not as it should be: ") +
                      error.what());
-  } catch (const std::logic_error& error) {  // of stoull
-    throw InputError("the policy's first line is not as it should be: its random number");
   } catch (const InputError& error) {
     throw InputError(std::string("the policy is not as it should be: ") + error.what());
   }

@@ -174,7 +174,7 @@ double Expander::Scratch::reward(const StepFacts& facts) const {
   double sum = 0;
   for (const TermOfThread& addend : terms)
     sum += addend.weight * addend.term->reward(facts, moved, pieces);
-  return sum;
+  return rules.checks_rewards ? pieces.checked(sum, facts) : sum;
 }
 
 // Disassembly with a single counting term: what legal_actions does, with the questions left out

@@ -91,7 +91,7 @@ struct RewardRange {
 /// it. For work, each thread makes its own Expander.
 class TransitionSystem {
  public:
-  /// @throws InputError if an expression of the objective cannot be compiled.
+  /// @throws InputError if an expression does not compile or sums of rewards may not be finite.
   explicit TransitionSystem(const Problem& problem);
   /// @throws InputError as above, and where a set of `situation` is not over the problem's
   /// connections.

@@ -69,7 +69,7 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
     const std::string& id = sequence[i];
     const std::set<Constraint> found = found_at(i + 1);
     if (indices[i] >= connections) {
-      report(i + 1, id, "the problem has no connection \"" + id + "\"");
+      report(i + 1, id, "the problem has no connection " + detail::in_quotes(id));
       continue;
     }
     if (!found.empty()) {

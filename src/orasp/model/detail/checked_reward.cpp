@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "orasp/model/detail/reward_size.h"
 #include "orasp/model/objectives/objective_kind.h"
 
 namespace orasp::detail {
@@ -54,22 +55,25 @@ double CheckedProblem::distance_error(const SeenStep& step, const Vector3& depot
   return 4 * kRounding * static_cast<double>(step.moved_parts + 1) * reach;
 }
 
-CheckedReward::CheckedReward(const Problem& problem) : problem_(problem) {
+CheckedReward::CheckedReward(const Problem& problem)
+    : problem_(problem), largest_(largest_reward(problem.num_connections())) {
   const Objective& objective = problem.objective();
   kind_of(objective).add_checked_terms(objective.parameters, 1, problem_, terms_);
   needs_step_ = std::ranges::any_of(terms_, &CheckedTerm::needs_step);
 }
 
 CheckedReward::Value CheckedReward::of(const SeenStep& step) const {
+  const auto fits = [this](double reward) { return std::abs(reward) <= largest_; };
   Value sum;
   for (const CheckedTerm& term : terms_) {
     const CheckedValue found = term.value(step);
-    if (term.calls_out && !std::isfinite(found.reward) && sum.finite) {
+    const double earned = term.weight * found.reward;
+    if (term.calls_out && sum.finite && !(fits(found.reward) && fits(earned))) {
       sum.finite = false;
-      sum.unfit = found.reward;
+      sum.unfit = fits(found.reward) ? earned : found.reward;
     }
-    sum.reward += term.weight * found.reward;
-    sum.magnitude += std::abs(term.weight * found.reward);
+    sum.reward += earned;
+    sum.magnitude += std::abs(earned);
     sum.rounding += std::abs(term.weight) * found.rounding;
   }
   return sum;

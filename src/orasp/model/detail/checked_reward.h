@@ -83,7 +83,7 @@ class CheckedReward {
     double reward = 0;
     double magnitude = 0;  ///< the sum of the terms' absolute values
     double rounding = 0;   ///< by how much an honest reward may differ beyond relative errors
-    bool finite = true;  ///< no formula and no function gave anything else; `unfit` is what it gave
+    bool finite = true;    ///< no formula and no function gave what cannot be added up, as `unfit`
     double unfit = 0;
   };
   [[nodiscard]] Value of(const SeenStep& step) const;
@@ -93,6 +93,7 @@ class CheckedReward {
 
  private:
   CheckedProblem problem_;
+  double largest_;
   std::vector<CheckedTerm> terms_;
   bool needs_step_ = false;
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "orasp/model/detail/checked_reward.h"
+#include "orasp/model/detail/reward_size.h"
 #include "orasp/model/detail/wording.h"
 
 namespace orasp::detail {
@@ -496,8 +497,7 @@ PlanReplay Replayer::run() {
     throw InputError(
         "objective: the reward of " + std::string(assembly_ ? "making " : "removing ") +
         in_quotes(problem_.connection_id(step.connection)) + " with " + std::to_string(before) +
-        " connections present is " + (std::isnan(value.unfit) ? "not a number" : "infinite") +
-        "; rewards must be finite");
+        " connections present is " + unfit_reward_text(value.unfit));
   }
   replay_.reward = std::accumulate(rewards_.begin(), rewards_.end(), 0.0);
   std::ranges::stable_sort(replay_.faults, {}, &PlanFault::step);

@@ -1,9 +1,13 @@
 #include "orasp/model/detail/rules.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "orasp/model/detail/reward_size.h"
+#include "orasp/model/detail/wording.h"
 #include "orasp/model/objectives/objective_kind.h"
 #include "orasp/model/tolerance.h"
 
@@ -13,6 +17,32 @@ namespace {
 
 void insert(std::span<std::uint64_t> set, ConnectionIndex c) {
   set[c / 64] |= std::uint64_t{1} << (c % 64);
+}
+
+/// The greatest size of what the term adds to a reward; empty where that shows step by step alone.
+std::optional<double> greatest_size(const WeightedTerm& addend, const Problem& problem) {
+  if (addend.weight == 0) return 0;
+  if (addend.term->sees.calls_out) return std::nullopt;
+  // A range depends on the connection by its duration, or by its place, which is no large number.
+  RangeQuestion question;
+  question.most_before = static_cast<double>(problem.num_connections());
+  for (const Connection& connection : problem.connections())
+    question.duration = std::max(question.duration, connection.duration);
+  double size = 0;
+  if (const SizeCosts* const all = addend.term->size_costs()) {
+    double dearest = 0;
+    for (const double cost : all->costs) dearest = std::max(dearest, std::abs(cost));
+    size = std::max({std::abs(all->last[0]), std::abs(all->last[1]), std::abs(all->alone),
+                     std::abs(all->base) + 2 * dearest});
+    return std::abs(addend.weight) * size;
+  }
+  for (const bool completes : {false, true}) {
+    question.completes = completes;
+    const RewardRange range = addend.term->range(question);
+    size = std::max({size, std::abs(range.least), std::abs(range.greatest)});
+  }
+  if (!std::isfinite(size)) return std::nullopt;
+  return std::abs(addend.weight) * size;
 }
 
 }  // namespace
@@ -50,7 +80,9 @@ Rules::Rules(const Problem& problem, const Situation& situation)
   kind_of(problem.objective()).add_terms(problem.objective().parameters, 1, totals, terms);
   needs_movement = std::ranges::any_of(
       terms, [](const WeightedTerm& addend) { return !addend.term->sees.counting; });
-  one_counting_term = terms.size() == 1 && terms[0].weight == 1 && !needs_movement;
+  size_up_rewards(problem);
+  one_counting_term =
+      terms.size() == 1 && terms[0].weight == 1 && !needs_movement && !checks_rewards;
   needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value();
   set_situation(situation);
 }
@@ -99,6 +131,23 @@ bool Rules::precedence_met(SetView open, ConnectionIndex c) const {
     }
     return false;
   });
+}
+
+/// Refuses rewards whose sums may not be finite, where their sizes are known.
+void Rules::size_up_rewards(const Problem& problem) {
+  double known = 0;
+  for (const WeightedTerm& addend : terms) {
+    const std::optional<double> size = greatest_size(addend, problem);
+    // A single formula or function checks what it yields itself.
+    const bool checks_itself =
+        addend.term->sees.calls_out && terms.size() == 1 && addend.weight == 1;
+    if (!size && !checks_itself) checks_rewards = true;
+    known += size.value_or(0);
+  }
+  if (known <= largest_reward(problem.num_connections())) return;
+  throw InputError("objective: a step may earn or cost " + number_text(known) + ", and " +
+                   std::to_string(problem.num_connections()) +
+                   " such steps add up to no finite number; choose larger units");
 }
 
 }  // namespace orasp::detail

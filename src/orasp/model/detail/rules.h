@@ -34,6 +34,7 @@ struct Rules {
 
   ProblemTotals totals;
   std::vector<WeightedTerm> terms;  ///< the addends of the objective
+  bool checks_rewards = false;      ///< how large rewards are is seen step by step alone
   bool one_counting_term = false;   ///< the objective is a single counting term of weight 1
   bool needs_movement = false;      ///< the objective looks at which side moves, or at masses
   bool needs_sides = false;         ///< the parts of A and B must be listed
@@ -51,6 +52,7 @@ struct Rules {
   Rules(const Problem& problem, const Situation& situation);
   [[nodiscard]] bool precedence_met(SetView open, ConnectionIndex c) const;
   void set_situation(const Situation& situation);
+  void size_up_rewards(const Problem& problem);
 };
 
 }  // namespace orasp::detail

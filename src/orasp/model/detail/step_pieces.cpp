@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "orasp/model/detail/reward_size.h"
 #include "orasp/model/detail/wording.h"
 
 namespace orasp::detail {
@@ -85,12 +86,11 @@ Step StepPieces::full_step(const StepFacts& facts) const {
 }
 
 double StepPieces::checked(double reward, const StepFacts& facts) const {
-  if (std::isfinite(reward)) return reward;
-  throw InputError("objective: the reward of " +
-                   std::string(totals.assembly ? "making " : "removing ") +
-                   in_quotes(totals.problem.connection_id(facts.connection)) + " with " +
-                   std::to_string(facts.before) + " connections present is " +
-                   (std::isnan(reward) ? "not a number" : "infinite") + "; rewards must be finite");
+  if (std::abs(reward) <= largest_reward(totals.problem.num_connections())) return reward;
+  throw InputError(
+      "objective: the reward of " + std::string(totals.assembly ? "making " : "removing ") +
+      in_quotes(totals.problem.connection_id(facts.connection)) + " with " +
+      std::to_string(facts.before) + " connections present is " + unfit_reward_text(reward));
 }
 
 }  // namespace orasp::detail

@@ -43,7 +43,8 @@ struct StepPieces {
   [[nodiscard]] std::optional<double> distance(bool a_moves, const Vector3& depot) const;
   /// All of the step but its reward.
   [[nodiscard]] Step full_step(const StepFacts& facts) const;
-  /// The reward that foreign code named. @throws InputError if it is not finite.
+  /// The reward that foreign code named. @throws InputError if it is no number, or
+  /// too large to be added up.
   [[nodiscard]] double checked(double reward, const StepFacts& facts) const;
 };
 
