@@ -754,7 +754,8 @@ TEST(WideProblem, AgreesWithTheOracleOnEmbeddedRandomProblems) {
   }
 }
 
-std::string fault_of(const ProblemSpec& spec) {
+/// The sentence that refuses the rewards of a problem, or of its first steps.
+std::string fault_of_rewards(const ProblemSpec& spec) {
   const Problem problem(spec);
   try {
     const TransitionSystem system(problem);
@@ -771,33 +772,35 @@ std::string fault_of(const ProblemSpec& spec) {
 TEST(TransitionSystem, RefusesRewardsWhoseSumsAreNotFinite) {
   ProblemSpec spec = instances::chain_of_three();
   spec.objective = {"piece_cost", PieceCost{1e308, {{1, 1e308}}, 0}};
-  EXPECT_EQ(fault_of(spec).find("objective: a step may earn or cost infinity, and 2 such steps"),
-            0U)
-      << fault_of(spec);
+  EXPECT_EQ(
+      fault_of_rewards(spec).find("objective: a step may earn or cost infinity, and 2 such steps"),
+      0U)
+      << fault_of_rewards(spec);
   spec.objective = {"piece_cost", PieceCost{8e307, {}, 0}};
-  EXPECT_EQ(fault_of(spec),
+  EXPECT_EQ(fault_of_rewards(spec),
             "objective: a step may earn or cost 8e+307, and 2 such steps add up to no finite "
             "number; choose larger units");
   spec.objective = {"piece_cost", PieceCost{1e305, {}, 0}};
-  EXPECT_EQ(fault_of(spec), "no fault");
+  EXPECT_EQ(fault_of_rewards(spec), "no fault");
   spec.objective = {"sum", WeightedSum{{{1e300, {"piece_cost", PieceCost{1e300, {}, 0}}}}}};
-  EXPECT_NE(fault_of(spec), "no fault");
+  EXPECT_NE(fault_of_rewards(spec), "no fault");
 }
 
 TEST(TransitionSystem, RefusesAStepWhoseRewardIsTooLargeWhereNoRangeIsKnown) {
   ProblemSpec spec = instances::chain_of_three();
   spec.objective = {"fuel", Fuel{.dry_mass = 6, .delta_v = 1e9, .isp = 1}};
-  EXPECT_NE(fault_of(spec).find("is infinite; rewards must be finite"), std::string::npos)
-      << fault_of(spec);
+  EXPECT_NE(fault_of_rewards(spec).find("is infinite; rewards must be finite"), std::string::npos)
+      << fault_of_rewards(spec);
   Callable huge;
   huge.reward = [](const Step&) { return 1e308; };
   spec.objective = {"callable", huge};
-  EXPECT_NE(fault_of(spec).find("is 1e+308; sums of rewards must be finite"), std::string::npos)
-      << fault_of(spec);
+  EXPECT_NE(fault_of_rewards(spec).find("is 1e+308; sums of rewards must be finite"),
+            std::string::npos)
+      << fault_of_rewards(spec);
   huge.reward = [](const Step&) { return 1e10; };
   spec.objective = {"sum", WeightedSum{{{1e300, {"callable", huge}}}}};
-  EXPECT_NE(fault_of(spec).find("sums of rewards must be finite"), std::string::npos)
-      << fault_of(spec);
+  EXPECT_NE(fault_of_rewards(spec).find("sums of rewards must be finite"), std::string::npos)
+      << fault_of_rewards(spec);
 }
 
 }  // namespace
