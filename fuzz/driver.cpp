@@ -1,4 +1,4 @@
-// Runs a fuzz target where libFuzzer is not at hand: replays files and makes new inputs from them.
+// Runs a fuzz target: replays files and makes new inputs from them.
 //
 //     fuzz_problem [--runs N] [--seconds S] [--seed K] FILE_OR_FOLDER...
 //

@@ -12,9 +12,9 @@
 
 #include "orasp/model/error.h"
 
-/// What the fuzz targets share. A target is one file with the function that libFuzzer and our own
-/// driver call with the bytes of an input. It hands the bytes to a reader of the library and checks
-/// what must hold for any bytes at all.
+/// What the fuzz targets share. A target is one file with the function that driver.cpp calls with
+/// the bytes of an input; it has libFuzzer's name and signature. It hands the bytes to a reader of
+/// the library and checks what must hold for any bytes at all.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace orasp::fuzz {

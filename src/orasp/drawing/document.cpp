@@ -12,9 +12,6 @@ template <class... Visitors>
 struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
-// clang 14 does not deduce the arguments of an aggregate by itself.
-template <class... Visitors>
-Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 constexpr std::string_view kStyle =
     R"(
