@@ -32,7 +32,7 @@ LAYERS = {
     "catalogue_table": {"model", "task", "bounds", "graph", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
     # What a row of the catalogue says of its options; the two make one.
     "method_options": {"model", "bounds", "catalogue", "method_options"},
-    "orasp": {"model", "task", "bounds", "graph", "planners", "explain", "execution", "learning", "fleet", "io",
+    "orasp": {"model", "task", "bounds", "graph", "planners", "mip", "explain", "execution", "learning", "fleet", "io",
               "drawing", "catalogue", "method_options"},
 }
 # Folders that are not for those who use the library, as are those named detail.
