@@ -797,7 +797,7 @@ TEST(TransitionSystem, RefusesAStepWhoseRewardIsTooLargeWhereNoRangeIsKnown) {
   EXPECT_NE(fault_of_rewards(spec).find("is 1e+308; sums of rewards must be finite"),
             std::string::npos)
       << fault_of_rewards(spec);
-  huge.reward = [](const Step&) { return 1e10; };
+  huge.reward = [](const Step&) { return 1e7; };
   spec.objective = {"sum", WeightedSum{{{1e300, {"callable", huge}}}}};
   EXPECT_NE(fault_of_rewards(spec).find("sums of rewards must be finite"), std::string::npos)
       << fault_of_rewards(spec);
