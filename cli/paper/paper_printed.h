@@ -55,9 +55,9 @@ inline constexpr std::array<IlpTime, 6> kIlpTimes = {{
     {"4brick", "min-time", 0.46, "", "", ""},
     {"2x3", "min-time", 1.32, "", "", ""},
     {"lattice", "min-time", 4, "fleet-lattice", "makespan", ""},
-    {"lattice", "min-travel", 5800, "fleet-lattice", "travel", "5"},
+    {"lattice", "min-travel", 5800, "fleet-lattice", "fleet_travel", "5"},
     {"hubble", "min-time", 5000, "fleet-hubble", "makespan", ""},
-    {"hubble", "min-travel", 20000, "fleet-hubble", "travel", "5"},
+    {"hubble", "min-travel", 20000, "fleet-hubble", "fleet_travel", "5"},
 }};
 
 /// Figures 1, 2 and 5: (parts, connections).

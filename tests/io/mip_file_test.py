@@ -48,7 +48,7 @@ def cases():
     yield "4piece, custom", ["4piece", "--objective", "custom"], None
     yield "3piece, no plan", ["3piece", "--max-moved-parts", "0"], None
     yield "fleet, 4 steps", ["-", "--objective", "makespan", "--steps", "4"], raster()
-    yield "fleet, travel", ["-", "--objective", "travel", "--steps", "3"], raster()
+    yield "fleet, travel", ["-", "--objective", "fleet_travel", "--steps", "3"], raster()
 
 
 def by_cbc(file):
