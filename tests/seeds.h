@@ -13,11 +13,17 @@ namespace orasp {
   return given == nullptr ? 100 : std::clamp(std::atoi(given), 1, 100);
 }
 
-/// The share of `all` that is looked at, and at least one. A test that counts what its problems
-/// had in them asks for the same share of the count.
+/// The share of `all` that is looked at, and at least one.
 template <class Number>
 [[nodiscard]] Number some_of(Number all) {
   return std::max(Number{1}, all * static_cast<Number>(percent_of_seeds()) / Number{100});
+}
+
+/// How often a test must have met something in its problems, to be worth what it says: `count`
+/// times where it looks at all of them. A share of them may by chance hold none.
+template <class Number>
+[[nodiscard]] Number least_of(Number count) {
+  return percent_of_seeds() == 100 ? count : Number{0};
 }
 
 }  // namespace orasp

@@ -264,8 +264,8 @@ TEST(FleetValidate, AgreesWithTheOracleOnSingleSteps) {
       }
     }
   }
-  EXPECT_GT(legal_steps, some_of(100U));
-  EXPECT_GT(illegal_steps, some_of(1000U));
+  EXPECT_GE(legal_steps, least_of(100U));
+  EXPECT_GE(illegal_steps, least_of(1000U));
 }
 
 // One step from the start: the splits are those that the oracle reaches, and motions() makes each

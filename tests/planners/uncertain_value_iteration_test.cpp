@@ -380,9 +380,9 @@ TEST(Uncertain, AgreesWithADenseLinearSolve) {
     EXPECT_LE(early.reward, result.reward + reward_tolerance(result.reward)) << seed;
     EXPECT_GE(*early.bound, result.reward - reward_tolerance(result.reward)) << seed;
   }
-  EXPECT_GT(solved, some_of(100));
-  EXPECT_GT(infeasible, some_of(5));
-  EXPECT_GT(beyond_legal_steps, some_of(20));
+  EXPECT_GE(solved, least_of(100));
+  EXPECT_GE(infeasible, least_of(5));
+  EXPECT_GE(beyond_legal_steps, least_of(20));
 }
 
 TEST(Uncertain, SimulationAgreesWithTheExpectationOfPlansAndPolicies) {
@@ -417,8 +417,8 @@ TEST(Uncertain, SimulationAgreesWithTheExpectationOfPlansAndPolicies) {
     expect_mean_near(simulation, planned.values[0], what + " plan");
     if (simulation.replanned > 0) ++replanned;
   }
-  EXPECT_GT(plans, some_of(15));
-  EXPECT_GT(replanned, some_of(5));
+  EXPECT_GE(plans, least_of(15));
+  EXPECT_GE(replanned, least_of(5));
 }
 
 TEST(Uncertain, TheSameSeedGivesTheSameRunsAndLongerSimulationsBeginAlike) {
