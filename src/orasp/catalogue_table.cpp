@@ -64,7 +64,7 @@ Reason program_needed(const Request& request) {
   if (request.system != nullptr) {
     if (auto reason = mip_obstacle(*request.system)) return reason;
     // Such problems are answered without a solver.
-    if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
+    if (settled_at_sight(request) || request.system->num_steps() == 0) return std::nullopt;
   }
   return mip_solver_obstacle();
 }
