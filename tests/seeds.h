@@ -26,4 +26,10 @@ template <class Number>
   return percent_of_seeds() == 100 ? count : Number{0};
 }
 
+/// The same for something that must have been met more often than `count` times.
+template <class Number>
+[[nodiscard]] Number more_than(Number count) {
+  return least_of(count + Number{1});
+}
+
 }  // namespace orasp

@@ -108,9 +108,11 @@ TEST(ExplainProblem, ConflictsAreIrreducible) {
       spec = with_only(spec, others);
     }
   }
-  EXPECT_GE(sizes[1], least_of(100U));
-  EXPECT_GE(sizes[3] + sizes[4] + sizes[5] + sizes[6], least_of(50U));
-  EXPECT_GE(kinds.size(), least_of(6U));
+  EXPECT_GE(sizes[1], more_than(100U));
+  EXPECT_GE(sizes[3] + sizes[4] + sizes[5] + sizes[6], more_than(50U));
+  if (percent_of_seeds() == 100) {
+    EXPECT_EQ(kinds.size(), 6U);
+  }
   for (const auto& [size, count] : sizes)
     RecordProperty("conflicts_of_" + std::to_string(size), static_cast<int>(count));
 }
@@ -402,13 +404,13 @@ TEST(ExplainConnection, AgreesWithTheOracleInEveryState) {
       }
     }
   }
-  EXPECT_GE(legal, least_of(500U));
-  EXPECT_GE(dead, least_of(50U));
-  EXPECT_GE(later, least_of(200U));
-  EXPECT_GE(never, least_of(50U));
+  EXPECT_GE(legal, more_than(500U));
+  EXPECT_GE(dead, more_than(50U));
+  EXPECT_GE(later, more_than(200U));
+  EXPECT_GE(never, more_than(50U));
   for (const char* name :
        {"precedence", "max_subassemblies", "max_moved_parts", "max_moved_mass", "blocking"})
-    EXPECT_GE(seen[name], least_of(20U)) << name;
+    EXPECT_GE(seen[name], more_than(20U)) << name;
 }
 
 TEST(ExplainConnection, SaysWhichPartsAreInTheWay) {
