@@ -19,14 +19,6 @@
 namespace orasp::cli {
 namespace {
 
-/// The proved bound, if there is one. It is a sum of the same numbers as the reward in another
-/// order: what rounding did to them is not a gap.
-std::optional<double> known_bound(const Result& result) {
-  if (result.status == Status::Optimal) return result.reward;
-  if (!result.bound || !std::isfinite(*result.bound)) return std::nullopt;
-  return result.has_plan() ? std::max(*result.bound, result.reward) : *result.bound;
-}
-
 std::string opposite_order(const Problem& problem, const Result& result, std::size_t width) {
   std::vector<std::string> ids;
   for (const ConnectionIndex c : result.sequence) ids.push_back(problem.connection_id(c));
@@ -108,7 +100,7 @@ void describe_one_robot(const Result& result, Lines& lines) {
   if (result.has_plan())
     lines.emplace_back(result.expectation ? "expected reward" : "reward",
                        number_text(result.reward));
-  if (const std::optional<double> bound = known_bound(result)) {
+  if (const std::optional<double> bound = result.shown_bound()) {
     lines.emplace_back("bound", number_text(*bound));
     if (result.has_plan()) lines.emplace_back("gap", number_text(*bound - result.reward));
   }
@@ -126,7 +118,7 @@ void describe_fleet(const Problem& problem, const Result& result, Lines& lines) 
     lines.emplace_back("makespan", counted(result.fleet_plan.makespan(), "step"));
     lines.emplace_back("travel", number_text(result.fleet_plan.travel()) + " m^2");
   }
-  const std::optional<double> bound = known_bound(result);
+  const std::optional<double> bound = result.shown_bound();
   if (!bound) return;
   lines.emplace_back("bound", "at least " + amount(travels, *bound));
   if (result.has_plan())

@@ -15,6 +15,7 @@
 #include "orasp/io/detail/json_text.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/planner_support.h"
 #include "orasp/report/detail/report_page.h"
 
 namespace orasp {
@@ -30,16 +31,6 @@ std::string amount(FleetObjective objective, double reward) {
   return objective == FleetObjective::Makespan
              ? counted(static_cast<std::uint64_t>(std::llround(0.0 - reward)), "step")
              : page_number(0.0 - reward) + " m\u00b2";
-}
-
-bool reaches(double reward, double bound) {
-  return bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
-}
-
-std::optional<double> bound_of(const Result& best) {
-  if (best.status == Status::Optimal) return best.reward;
-  if (!best.bound || !std::isfinite(*best.bound)) return std::nullopt;
-  return best.has_plan() ? std::max(*best.bound, best.reward) : *best.bound;
 }
 
 /// A label for each part, the same for parts in one piece: the position of its first part.
@@ -130,10 +121,10 @@ Verdict verdict_of(const FleetProblem& fleet, const FleetReport& report,
   if (!evaluation.valid)
     return {"not valid", counted(evaluation.violations.size(), "violation") +
                              ": this plan breaks the rules, which are named below."};
-  const std::optional<double> bound = bound_of(report.best);
+  const std::optional<double> bound = report.best.shown_bound();
   const std::string own = amount(fleet.objective(), reward);
   const std::string_view verb = fleet.objective() == FleetObjective::Makespan ? "takes" : "travels";
-  if (bound && reaches(reward, *bound))
+  if (bound && detail::meets(reward, *bound))
     return {"optimal", fmt::format("Proved optimal: no plan {} less than {}.", verb, own)};
   if (bound)
     return {"feasible",
@@ -207,9 +198,9 @@ ordered_json plan_json(const FleetProblem& fleet, const FleetReport& report,
   }
 
   const Verdict verdict = verdict_of(fleet, report, evaluation, reward);
-  const std::optional<double> bound = bound_of(report.best);
+  const std::optional<double> bound = report.best.shown_bound();
   ordered_json gap;
-  if (bound && evaluation.valid) gap = reaches(reward, *bound) ? 0.0 : *bound - reward;
+  if (bound && evaluation.valid) gap = detail::meets(reward, *bound) ? 0.0 : *bound - reward;
   return {{"label", shown.label},
           {"origin", shown.origin},
           {"status", verdict.name},
@@ -230,37 +221,20 @@ ordered_json plan_json(const FleetProblem& fleet, const FleetReport& report,
 
 ordered_json best_json(const FleetProblem& fleet, const FleetReport& report) {
   const Result& best = report.best;
-  const std::optional<double> bound = bound_of(best);
+  const std::optional<double> bound = best.shown_bound();
   std::string sentence;
-  switch (best.status) {
-    case Status::Optimal:
-      sentence =
-          fleet.objective() == FleetObjective::Makespan
-              ? fmt::format("The fewest steps are {}, proved.", best.fleet_plan.makespan())
-              : fmt::format("The least travel is {}, proved{}.",
-                            amount(fleet.objective(), best.reward),
-                            best.steps_allowed
-                                ? fmt::format(" for {}", counted(*best.steps_allowed, "step"))
-                                : "");
-      break;
-    case Status::Feasible:
-      sentence =
-          bound ? fmt::format("No plan is below {}, proved.", amount(fleet.objective(), *bound))
-                : std::string("No bound is known.");
-      break;
-    case Status::Infeasible: sentence = "No plan exists, proved."; break;
-    case Status::Unknown:
-      sentence = "Neither a plan was found nor a proof that there is none.";
-      break;
+  if (best.status != Status::Optimal) {
+    sentence = bound
+                   ? fmt::format("No plan is below {}, proved.", amount(fleet.objective(), *bound))
+                   : std::string("No bound is known.");
+  } else if (fleet.objective() == FleetObjective::Makespan) {
+    sentence = fmt::format("The fewest steps are {}, proved.", best.fleet_plan.makespan());
+  } else {
+    sentence = fmt::format(
+        "The least travel is {}, proved{}.", amount(fleet.objective(), best.reward),
+        best.steps_allowed ? fmt::format(" for {}", counted(*best.steps_allowed, "step")) : "");
   }
-  sentence += detail::stop_sentence(best.stop);
-  return {{"status", status_name(best.status)},
-          {"method", best.method},
-          {"sentence", sentence},
-          {"bound", bound ? number_or_null(*bound) : ordered_json()},
-          {"effort", report.effort},
-          {"notes", best.notes},
-          {"conflict", ordered_json::array()}};
+  return detail::proved_facts(best, std::move(sentence), "", report.effort, {});
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "orasp/io/detail/json_text.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/report/detail/report_page.h"
 
@@ -34,10 +35,6 @@ using nlohmann::ordered_json;
 constexpr std::uint64_t kMostCounted = 50'000;
 constexpr std::size_t kMostLearningPoints = 1'000;
 constexpr std::size_t kDensityPoints = 96;
-
-bool reaches(double reward, double bound) {
-  return bound <= reward + kRewardTolerance * std::max(1.0, std::abs(reward));
-}
 
 // -------------------------------------------------------------------------------------------------
 // A plan
@@ -102,12 +99,6 @@ struct Verdict {
   std::string sentence;
 };
 
-std::optional<double> bound_of(const Result& best) {
-  if (best.status == Status::Optimal) return best.reward;
-  if (!best.bound || !std::isfinite(*best.bound)) return std::nullopt;
-  return best.has_plan() ? std::max(*best.bound, best.reward) : *best.bound;
-}
-
 Verdict verdict_of(const Problem& problem, const ReportPlan& plan, const Evaluation& evaluation,
                    const Result& best) {
   if (!evaluation.valid)
@@ -119,9 +110,9 @@ Verdict verdict_of(const Problem& problem, const ReportPlan& plan, const Evaluat
         "Attempts may fail, and this is what the order earns if each succeeds; `orasp simulate` "
         "tells what to expect."};
   const double reward = plan.expected.value_or(evaluation.reward);
-  const std::optional<double> bound = bound_of(best);
+  const std::optional<double> bound = best.shown_bound();
   const std::string_view what = problem.uncertain() ? "No policy" : "No plan";
-  if (bound && reaches(reward, *bound))
+  if (bound && detail::meets(reward, *bound))
     return {"optimal",
             fmt::format("Proved optimal: {} earns more than {}.",
                         problem.uncertain() ? "no policy" : "no plan", page_number(reward))};
@@ -224,7 +215,7 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
   }
 
   const Verdict verdict = verdict_of(problem, plan, evaluation, best);
-  const std::optional<double> bound = bound_of(best);
+  const std::optional<double> bound = best.shown_bound();
   const double reward = plan.expected.value_or(evaluation.reward);
   const bool comparable = evaluation.valid && (plan.expected || !problem.uncertain());
   ordered_json document = {{"label", plan.label},
@@ -241,7 +232,7 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
                            {"states", std::move(states)},
                            {"steps", std::move(list)}};
   if (bound && comparable)
-    document["gap"] = number_or_null(reaches(reward, *bound) ? 0 : *bound - reward);
+    document["gap"] = number_or_null(detail::meets(reward, *bound) ? 0 : *bound - reward);
   return document;
 }
 
@@ -428,34 +419,21 @@ ordered_json sample_json(const std::optional<ReportSample>& sample) {
 
 ordered_json best_json(const Problem& problem, const Report& report) {
   const Result& best = report.best;
-  const std::optional<double> bound = bound_of(best);
+  const std::optional<double> bound = best.shown_bound();
   std::string sentence;
-  switch (best.status) {
-    case Status::Optimal:
-      sentence = fmt::format("The best reward is {}, proved.", page_number(best.reward));
-      break;
-    case Status::Feasible:
-      sentence = bound ? fmt::format(
-                             "No plan earns more than {}, proved; the best plan that was "
-                             "found earns {}.",
-                             page_number(*bound), page_number(best.reward))
-                       : std::string("No bound is known on what a plan can earn.");
-      break;
-    case Status::Infeasible: sentence = "No plan exists, proved."; break;
-    case Status::Unknown:
-      sentence = "Neither a plan was found nor a proof that there is none.";
-      break;
+  if (best.status == Status::Optimal) {
+    sentence = fmt::format("The best reward is {}, proved.", page_number(best.reward));
+  } else {
+    sentence = bound ? fmt::format(
+                           "No plan earns more than {}, proved; the best plan that was "
+                           "found earns {}.",
+                           page_number(*bound), page_number(best.reward))
+                     : std::string("No bound is known on what a plan can earn.");
   }
-  sentence += detail::stop_sentence(best.stop);
-  if (problem.uncertain() && best.has_plan())
-    sentence += " Rewards are expectations, since attempts may fail.";
-  return {{"status", status_name(best.status)},
-          {"method", best.method},
-          {"sentence", sentence},
-          {"bound", bound ? number_or_null(*bound) : ordered_json()},
-          {"effort", report.effort},
-          {"notes", best.notes},
-          {"conflict", report.conflict}};
+  const bool expected = problem.uncertain() && best.has_plan();
+  return detail::proved_facts(best, std::move(sentence),
+                              expected ? " Rewards are expectations, since attempts may fail." : "",
+                              report.effort, report.conflict);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -113,6 +114,13 @@ struct Result {
 
   [[nodiscard]] bool has_plan() const {
     return status == Status::Optimal || status == Status::Feasible;
+  }
+  /// The proved bound as people should see it; empty where none is known. A bound and a reward are
+  /// sums of the same numbers in another order: what rounding did to them is no gap.
+  [[nodiscard]] std::optional<double> shown_bound() const {
+    if (status == Status::Optimal) return reward;
+    if (!bound || !std::isfinite(*bound)) return std::nullopt;
+    return has_plan() && *bound < reward ? reward : *bound;
   }
 };
 

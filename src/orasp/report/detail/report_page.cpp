@@ -139,6 +139,24 @@ std::string stop_sentence(Stop stop) {
   return fmt::format(" The {} stopped the search.", stop_name(stop));
 }
 
+nlohmann::ordered_json proved_facts(const Result& best, std::string sentence,
+                                    std::string_view remark, const std::string& effort,
+                                    const std::vector<std::string>& conflict) {
+  if (best.status == Status::Infeasible) sentence = "No plan exists, proved.";
+  if (best.status == Status::Unknown)
+    sentence = "Neither a plan was found nor a proof that there is none.";
+  sentence += stop_sentence(best.stop);
+  sentence += remark;
+  const std::optional<double> bound = best.shown_bound();
+  return {{"status", status_name(best.status)},
+          {"method", best.method},
+          {"sentence", sentence},
+          {"bound", bound ? number_or_null(*bound) : nlohmann::ordered_json()},
+          {"effort", effort},
+          {"notes", best.notes},
+          {"conflict", conflict}};
+}
+
 ordered_json report_problem(const Problem& problem) {
   ordered_json parts = ordered_json::array();
   for (const Part& part : problem.parts()) {

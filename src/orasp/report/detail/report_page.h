@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,13 @@ namespace orasp::detail {
 /// What ended a search early, to follow another sentence (it begins with a space); empty where
 /// nothing did.
 [[nodiscard]] std::string stop_sentence(Stop stop);
+
+/// What is proved of a problem, for the page. `sentence` says it where there is a plan, `remark`
+/// follows it, what ended the search stands between.
+[[nodiscard]] nlohmann::ordered_json proved_facts(const Result& best, std::string sentence,
+                                                  std::string_view remark,
+                                                  const std::string& effort,
+                                                  const std::vector<std::string>& conflict);
 
 /// The problem for the page: names, parts, connections, every constraint in words.
 [[nodiscard]] nlohmann::ordered_json report_problem(const Problem& problem);
