@@ -344,11 +344,7 @@ CommandWork compare_command(CommandLine& line) {
             options.methods);
   line.words(method_names());
   add_seed_option(line, options.seed, "the methods that draw random numbers");
-  line.whole(
-      "--steps", "N",
-      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
-      "fewest possible).",
-      options.steps, 1, 1'000'000);
+  add_steps_option(line, options.steps);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits, " each run");
   add_output_options(line, options.json, options.output, "the table");

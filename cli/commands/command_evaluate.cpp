@@ -106,13 +106,8 @@ int run(const EvaluateOptions& options, const Context& context) {
     throw InputError("PROBLEM and PLAN cannot both be read from standard input");
   const std::string text = read_text(options.plan);
   const Problem problem = load_problem(options.problem, options.changes, context);
-  const bool for_fleet = problem.objective().of_fleet();
-  if (for_fleet != is_fleet_plan(text))
-    throw InputError(fmt::format("{}: it is a plan of {}, and {} is an objective of {}",
-                                 options.plan == "-" ? "standard input" : options.plan,
-                                 for_fleet ? "one robot" : "several robots",
-                                 problem.objective().type, for_fleet ? "several robots" : "one"));
-  if (for_fleet) return evaluate_fleet_plan(problem, text, options, context);
+  require_plan_for(problem, text, options.plan);
+  if (problem.objective().of_fleet()) return evaluate_fleet_plan(problem, text, options, context);
   const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
 

@@ -18,7 +18,6 @@
 #include "cli/output/text.h"
 #include "orasp/explain/explain_connection.h"
 #include "orasp/explain/explain_problem.h"
-#include "orasp/io/problem_json.h"
 
 namespace orasp::cli {
 namespace {
@@ -120,8 +119,7 @@ ConnectionSet state_in_plan(const Problem& problem, const ExplainOptions& option
   ConnectionSet open = system.start();
   if (!options.plan) return open;
   const PlanFile plan = read_plan(*options.plan, problem.direction());
-  if (!plan.problem_digest.empty() && plan.problem_digest != problem_digest(problem))
-    context.warn("the plan was made for another problem: its problem_digest differs");
+  warn_of_another_problem(context, plan.problem_digest, problem);
   const std::size_t step = options.step.value_or(1);
   if (step > plan.sequence.size() + 1)
     throw InputError(fmt::format("--step: the plan has only {}, so step {} is not in it",

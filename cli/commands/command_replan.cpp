@@ -20,7 +20,6 @@
 #include "cli/output/text.h"
 #include "orasp/execution/replanner.h"
 #include "orasp/io/atomic_file.h"
-#include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
 
 namespace orasp::cli {
@@ -63,8 +62,7 @@ void insert_all(ConnectionSet& set, const ConnectionSet& others) {
 std::vector<ConnectionIndex> old_sequence(const Problem& problem, const ReplanOptions& options,
                                           const Context& context) {
   const PlanFile plan = read_plan(*options.plan, problem.direction());
-  if (!plan.problem_digest.empty() && plan.problem_digest != problem_digest(problem))
-    context.warn("the plan was made for another problem: its problem_digest differs");
+  warn_of_another_problem(context, plan.problem_digest, problem);
   std::vector<ConnectionIndex> sequence;
   ConnectionSet met(problem.num_connections());
   for (std::size_t i = 0; i < plan.sequence.size(); ++i) {

@@ -248,15 +248,9 @@ int report_fleet(const Problem& problem, const std::vector<PlanText>& files,
 int run(const ReportOptions& options, const Context& context) {
   require_sense(options);
   const Problem problem = load_problem(options.problem, options.changes, context);
-  const bool for_fleet = problem.objective().of_fleet();
   const std::vector<PlanText> files = read_plans(options.plans);
-  for (const PlanText& file : files) {
-    if (is_fleet_plan(file.text) == for_fleet) continue;
-    throw InputError(fmt::format("{}: it is a plan of {}, and {} is an objective of {}",
-                                 spoken(file.file), for_fleet ? "one robot" : "several robots",
-                                 problem.objective().type, for_fleet ? "several robots" : "one"));
-  }
-  if (for_fleet) return report_fleet(problem, files, options, context);
+  for (const PlanText& file : files) require_plan_for(problem, file.text, file.file);
+  if (problem.objective().of_fleet()) return report_fleet(problem, files, options, context);
   const TransitionSystem system(problem);
   const LimitOptions limits = search_limits(options);
 

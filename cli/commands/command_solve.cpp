@@ -210,11 +210,7 @@ CommandWork solve_command(CommandLine& line) {
   line.text("--method", "METHOD", "One of those below (default: auto).", options.method);
   line.words(method_names());
   add_seed_option(line, options.seed, "the methods that draw random numbers");
-  line.whole(
-      "--steps", "N",
-      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
-      "fewest possible).",
-      options.steps, 1, 1'000'000);
+  add_steps_option(line, options.steps);
   add_method_options(line, options.of_method);
   line.group("Of mip");
   line.text("--write-model", "FILE",

@@ -16,6 +16,7 @@
 #include "cli/exit_codes.h"
 #include "cli/output/text.h"
 #include "cli/signals.h"
+#include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/task/memory_limit.h"
@@ -178,6 +179,15 @@ PlanFile parse_plan_text(const std::string& text, const std::string& file, Direc
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", file == "-" ? "standard input" : file, error.what()));
   }
+}
+
+void require_plan_for(const Problem& problem, const std::string& text, const std::string& file) {
+  const bool of_fleet = problem.objective().of_fleet();
+  if (is_fleet_plan(text) == of_fleet) return;
+  throw InputError(fmt::format("{}: it is a plan of {}, and {} is an objective of {}",
+                               file == "-" ? "standard input" : file,
+                               of_fleet ? "one robot" : "several robots", problem.objective().type,
+                               of_fleet ? "several robots" : "one"));
 }
 
 void warn_of_another_problem(const Context& context, const std::string& digest,

@@ -60,6 +60,10 @@ struct LimitOptions {
 [[nodiscard]] PlanFile parse_plan_text(const std::string& text, const std::string& file,
                                        Direction direction);
 
+/// Refuses a plan of one robot for an objective of several, and the other way round. `text` is that
+/// of `file`. @throws InputError.
+void require_plan_for(const Problem& problem, const std::string& text, const std::string& file);
+
 /// Warns where a plan names the digest of another problem than this one; an empty digest names
 /// none.
 void warn_of_another_problem(const Context& context, const std::string& digest,

@@ -100,4 +100,12 @@ void add_seed_option(CommandLine& line, std::uint64_t& seed, const std::string& 
   line.whole("--seed", "N", fmt::format("Seed of {} (default: 1).", of), seed, 0);
 }
 
+void add_steps_option(CommandLine& line, std::optional<std::uint64_t>& steps) {
+  line.whole(
+      "--steps", "N",
+      "Methods for fleets: at most N steps (default: makespan as many as it takes, travel the "
+      "fewest possible).",
+      steps, 1, 1'000'000);
+}
+
 }  // namespace orasp::cli

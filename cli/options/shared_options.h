@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,5 +36,8 @@ void add_output_options(CommandLine& line, bool& json, std::string& output,
 
 /// `of` says what the seed is of: "the sample".
 void add_seed_option(CommandLine& line, std::uint64_t& seed, const std::string& of);
+
+/// The horizon of methods for several robots.
+void add_steps_option(CommandLine& line, std::optional<std::uint64_t>& steps);
 
 }  // namespace orasp::cli

@@ -151,11 +151,12 @@ Result solve(const Task& task, std::string_view method, const Options& options,
   const Planner& planner = find_planner(method);
   const Derived derived(task);
   const Request request = derived.request(task, options, budget);
+  if (const auto reason = wrong_kind(planner, request))
+    throw InputError(refusal(planner, *reason, request));
   Result result;
   // A method's own obstacle is not asked first: to find one may cost as much as to begin the work,
   // and a method that meets one throws the same reason as a Refusal.
   try {
-    if (const auto reason = wrong_kind(planner, request)) throw Refusal(planner.name, *reason);
     result = planner.run(request);
   } catch (const Refusal& refused) {
     throw InputError(refusal(planner, refused.reason(), request));

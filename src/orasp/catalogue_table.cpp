@@ -4,7 +4,6 @@
 #include <array>
 
 #include "orasp/catalogue.h"
-#include "orasp/fleet/fleet_expander.h"
 #include "orasp/fleet/fleet_heuristics.h"
 #include "orasp/fleet/fleet_mip.h"
 #include "orasp/fleet/fleet_search.h"
@@ -87,11 +86,17 @@ Reason network_needed(const Request& request) {
                                 : network_obstacle();
 }
 
+Result run_value_iteration(const Request& request) {
+  const TransitionSystem& system = *request.system;
+  const ValueIterationOptions& options = request.options.value_iteration;
+  return request.task.problem.uncertain()
+             ? uncertain_value_iteration(system, options, request.budget)
+             : value_iteration(system, options, request.budget);
+}
+
 Result run_automatic(const Request& request) {
   if (request.system != nullptr) {
-    if (request.task.problem.uncertain())
-      return uncertain_value_iteration(*request.system, request.options.value_iteration,
-                                       request.budget);
+    if (request.task.problem.uncertain()) return run_value_iteration(request);
     return automatic(*request.system, request.options.seed, request.budget);
   }
   const FleetOptions options = request.fleet_options();
@@ -103,13 +108,6 @@ Result run_automatic(const Request& request) {
                       too_large ? "auto: fast, since fleet-search " + *too_large
                                 : "auto: fleet-search, since the problem has a fleet of robots");
   return result;
-}
-
-Result run_value_iteration(const Request& request) {
-  if (request.task.problem.uncertain())
-    return uncertain_value_iteration(*request.system, request.options.value_iteration,
-                                     request.budget);
-  return value_iteration(*request.system, request.options.value_iteration, request.budget);
 }
 
 Result run_dijkstra(const Request& request) {
