@@ -97,4 +97,17 @@ namespace orasp::instances {
   return spec;
 }
 
+/// Twelve connections of part 1 to itself, free to go in any order, and 1-2, which never can: 4,096
+/// states, none of which leads anywhere, and 12! = 479,001,600 ways to find that out.
+[[nodiscard]] inline ProblemSpec hopeless() {
+  ProblemSpec spec = boxed_in();
+  for (int i = 0; i < 12; ++i) {
+    Connection connection;
+    connection.id = "loop" + std::to_string(i);
+    connection.parts = {"1", "1"};
+    spec.connections.push_back(connection);
+  }
+  return spec;
+}
+
 }  // namespace orasp::instances

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "orasp/fleet/fleet_validate.h"
+#include "orasp/model/detail/wording.h"
 #include "orasp/model/plan_check.h"
 
 namespace orasp {
@@ -81,10 +82,8 @@ std::string refusal(const Planner& planner, const std::string& reason, const Req
       others.push_back(other.name);
     }
   }
-  std::string text = std::string(planner.name) + " " + reason;
-  for (std::size_t i = 0; i < others.size(); ++i)
-    text += (i == 0 ? "; use " : i + 1 < others.size() ? ", " : " or ") + std::string(others[i]);
-  return text;
+  const std::string use = others.empty() ? "" : "; use " + detail::listed(others, "or");
+  return std::string(planner.name) + " " + reason + use;
 }
 
 [[noreturn]] void dishonest(const Result& result, const std::string& what) {

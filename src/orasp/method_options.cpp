@@ -177,6 +177,16 @@ std::vector<std::size_t> whole_numbers(std::string_view label, std::string_view 
   return numbers;
 }
 
+/// The names of the methods that have the option.
+std::vector<std::string_view> methods_with(std::string_view option) {
+  std::vector<std::string_view> methods;
+  for (const Planner& planner : planners()) {
+    if (std::ranges::find(planner.options(), option, &OptionSpec::name) != planner.options().end())
+      methods.push_back(planner.name);
+  }
+  return methods;
+}
+
 std::string with(std::string_view text, const std::string& filling) {
   std::string filled(text);
   if (const std::size_t place = filled.find("{}"); place != std::string::npos)
@@ -284,11 +294,11 @@ Options options_from(std::string_view method, const OptionTexts& given, std::str
     const auto row = std::ranges::find(rows, name, &OptionSpec::name);
     const std::string label = std::string(mark) + name;
     if (row == rows.end()) {
-      const std::string owners = owners_of(name);
+      const std::vector<std::string_view> owners = methods_with(name);
       if (owners.empty()) throw InputError(fmt::format("no method has an option {}", label));
-      const bool several = owners.find(" and ") != std::string::npos;
       throw InputError(fmt::format("{} belongs to the method{} {}, not to {}", label,
-                                   several ? "s" : "", owners, method));
+                                   owners.size() > 1 ? "s" : "", detail::listed(owners, "and"),
+                                   method));
     }
     set_option(*row, label, text, options);
   }
@@ -296,15 +306,7 @@ Options options_from(std::string_view method, const OptionTexts& given, std::str
 }
 
 std::string owners_of(std::string_view option) {
-  std::vector<std::string_view> owners;
-  for (const Planner& planner : planners()) {
-    if (std::ranges::find(planner.options(), option, &OptionSpec::name) != planner.options().end())
-      owners.push_back(planner.name);
-  }
-  std::string text;
-  for (std::size_t i = 0; i < owners.size(); ++i)
-    text += (i == 0 ? "" : i + 1 < owners.size() ? ", " : " and ") + std::string(owners[i]);
-  return text;
+  return detail::listed(methods_with(option), "and");
 }
 
 std::uint64_t whole_number(std::string_view label, std::string_view text, std::uint64_t least,

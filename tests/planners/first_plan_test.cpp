@@ -26,28 +26,15 @@ TEST(Greedy, TakesTheBestRewardAndTheLowestConnection) {
   EXPECT_EQ(result.sequence, (std::vector<ConnectionIndex>{0, 1, 2}));
 }
 
-/// Twelve connections of part 1 to itself, free to go in any order, and 1-2, which never can: 4,096
-/// states, none of which leads anywhere, and 12! = 479,001,600 ways to find that out.
-ProblemSpec hopeless() {
-  ProblemSpec spec = instances::boxed_in();
-  for (int i = 0; i < 12; ++i) {
-    Connection connection;
-    connection.id = "loop" + std::to_string(i);
-    connection.parts = {"1", "1"};
-    spec.connections.push_back(connection);
-  }
-  return spec;
-}
-
 TEST(Greedy, RemembersStatesThatFailed) {
-  const Problem problem(hopeless());
+  const Problem problem(instances::hopeless());
   const Result result = greedy(TransitionSystem(problem), Budget{});
   EXPECT_EQ(status_name(result.status), "infeasible");
   EXPECT_LE(result.statistics.expanded, 4'096U);
 }
 
 TEST(RandomSequence, RemembersStatesThatFailed) {
-  const Problem problem(hopeless());
+  const Problem problem(instances::hopeless());
   const Result result = random_sequence(TransitionSystem(problem), {}, Budget{});
   EXPECT_EQ(status_name(result.status), "infeasible");
   EXPECT_LE(result.statistics.expanded, 4'096U);

@@ -26,10 +26,6 @@ constexpr PartMask lowest(PartMask parts) {
   return parts & (~parts + 1);
 }
 
-std::size_t size_of(PartMask parts) {
-  return static_cast<std::size_t>(std::popcount(parts));
-}
-
 }  // namespace
 
 void FleetExpander::Way::add(const Way& other) {

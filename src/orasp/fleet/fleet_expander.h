@@ -17,6 +17,9 @@ namespace orasp {
 
 /// A set of parts: bit i stands for part i.
 using PartMask = std::uint64_t;
+[[nodiscard]] constexpr std::size_t size_of(PartMask parts) {
+  return static_cast<std::size_t>(std::popcount(parts));
+}
 
 /// The largest fleet problem whose steps are worked out by masks.
 inline constexpr std::size_t kFleetMaxParts = 64;
@@ -34,9 +37,7 @@ struct FleetSplit {
   std::span<const PartMask> moved;  ///< blocks of two or more parts, held and moving
   std::size_t held = 0;             ///< parts of all moved blocks
 
-  [[nodiscard]] std::size_t robots() const {
-    return held + static_cast<std::size_t>(std::popcount(freed));
-  }
+  [[nodiscard]] std::size_t robots() const { return held + size_of(freed); }
 };
 
 /// The ways in which subassemblies can come out of a step: the rules of fleets, arranged for
@@ -204,7 +205,7 @@ bool FleetExpander::for_each_split(PartMask subassembly, Locks locks, const Mean
       return false;
     for (std::size_t c = next; c < ways.clusters.size(); ++c) {
       const Cluster& cluster = ways.clusters[c];
-      const auto size = static_cast<std::size_t>(std::popcount(cluster.parts));
+      const auto size = size_of(cluster.parts);
       if (size > chosen.robots) break;
       if ((cluster.parts & chosen.near) != 0) continue;
       for (std::uint32_t o = 0; o < cluster.num_options; ++o) {
@@ -231,7 +232,7 @@ bool FleetExpander::for_each_split(PartMask subassembly, Locks locks, const Mean
   };
   if (!descend(descend, 0, Chosen{.robots = means.robots, .held = means.held}, Way{})) return false;
 
-  if (static_cast<std::size_t>(std::popcount(subassembly)) > means.robots) return true;
+  if (size_of(subassembly) > means.robots) return true;
   for (const Option& option : ways.whole) {
     if (option.held > means.held) break;
     if (!visit(FleetSplit{.stays = 0,

@@ -9,10 +9,6 @@ namespace {
 
 constexpr std::uint32_t kWorkBetweenPolls = 4096;
 
-std::size_t size_of(PartMask parts) {
-  return static_cast<std::size_t>(std::popcount(parts));
-}
-
 /// Subassemblies that a state may hold: one a site, two parts or more each.
 std::size_t most_blocks(const FleetProblem& fleet) {
   return std::max<std::size_t>(1, std::min(fleet.most_subassemblies(), fleet.num_parts() / 2));

@@ -23,10 +23,6 @@ constexpr std::uint64_t kExpansionsBeforeBeam = 5000;
 constexpr std::size_t kBeamWidth = 32;
 constexpr std::ptrdiff_t kPlacingsOfOneState = 2;
 
-std::size_t size_of(PartMask parts) {
-  return static_cast<std::size_t>(std::popcount(parts));
-}
-
 double times(PartMask parts, double each) {
   return static_cast<double>(std::popcount(parts)) * each;
 }

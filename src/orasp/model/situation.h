@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "orasp/model/connection_set.h"
+#include "orasp/model/error.h"
 
 namespace orasp {
 
@@ -27,6 +29,14 @@ struct Situation {
   [[nodiscard]] static Situation whole(std::size_t connections) {
     const ConnectionSet none(connections);
     return {ConnectionSet::all(connections), none, none, none};
+  }
+  /// @throws InputError where a set is over another number of connections.
+  void require_over(std::size_t connections) const {
+    for (const ConnectionSet* set : {&open, &inaccessible, &not_next, &late}) {
+      if (set->universe() != connections)
+        throw InputError("the situation is over " + std::to_string(set->universe()) +
+                         " connections, the problem has " + std::to_string(connections));
+    }
   }
   friend bool operator==(const Situation&, const Situation&) = default;
 };

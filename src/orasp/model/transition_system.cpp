@@ -321,9 +321,6 @@ DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection
 }
 
 // -------------------------------------------------------------------------------------------------
-// Pieces on their own.
-
-// -------------------------------------------------------------------------------------------------
 
 TransitionSystem::TransitionSystem(const Problem& problem)
     : TransitionSystem(problem, Situation::whole(problem.num_connections())) {}

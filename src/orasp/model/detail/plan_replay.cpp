@@ -83,6 +83,7 @@ class Replayer {
   template <class InOther>
   [[nodiscard]] bool blocked(std::span<const PartIndex> few, InOther&& in_other) const;
   [[nodiscard]] std::span<const PartIndex> members(PartIndex piece);
+  [[nodiscard]] bool each_blocks_the_other(PartIndex a, PartIndex b);
   void judge_cut(const Made& step, PartIndex a, PartIndex b);
   [[nodiscard]] bool cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const;
   void make(const Made& step);
@@ -271,6 +272,13 @@ bool Replayer::blocked(std::span<const PartIndex> few, InOther&& in_other) const
   return false;
 }
 
+// Whether two pieces, as they are now, leave no direction in which they come apart.
+bool Replayer::each_blocks_the_other(PartIndex a, PartIndex b) {
+  if (problem_.directions() == 0) return false;
+  const auto [few, many] = pieces_[a].parts <= pieces_[b].parts ? std::pair{a, b} : std::pair{b, a};
+  return blocked(members(few), [&](PartIndex part) { return piece_of_[part] == many; });
+}
+
 // The constraints of a step between two pieces; `subassemblies_` counts the state in which they are
 // apart.
 void Replayer::judge_cut(const Made& step, PartIndex a, PartIndex b) {
@@ -288,10 +296,7 @@ void Replayer::judge_cut(const Made& step, PartIndex a, PartIndex b) {
   if (limits.max_moved_mass &&
       details.mass - *limits.max_moved_mass > kSameMass * *limits.max_moved_mass)
     fault(step, Constraint::MaxMovedMass, details);
-  if (problem_.directions() == 0) return;
-  const auto [few, many] = pieces_[a].parts <= pieces_[b].parts ? std::pair{a, b} : std::pair{b, a};
-  if (blocked(members(few), [&](PartIndex part) { return piece_of_[part] == many; }))
-    fault(step, Constraint::Blocking);
+  if (each_blocks_the_other(a, b)) fault(step, Constraint::Blocking);
 }
 
 // The parts of both sides, ascending, and their sums in that order, as one would add them up.
@@ -380,10 +385,7 @@ bool Replayer::can_be_handled(ConnectionIndex c, std::size_t time) {
   const PartIndex a = piece_of_[problem_.ends(c)[0]];
   const PartIndex b = piece_of_[problem_.ends(c)[1]];
   if (a == b) return true;
-  if (!cut_allowed(pieces_[a], pieces_[b], subassemblies_)) return false;
-  const auto [few, many] = pieces_[a].parts <= pieces_[b].parts ? std::pair{a, b} : std::pair{b, a};
-  return problem_.directions() == 0 ||
-         !blocked(members(few), [&](PartIndex part) { return piece_of_[part] == many; });
+  return cut_allowed(pieces_[a], pieces_[b], subassemblies_) && !each_blocks_the_other(a, b);
 }
 
 // In disassembly `c` is part of a piece; what hangs together without it is found by walking there.
@@ -509,14 +511,7 @@ PlanReplay Replayer::run() {
 
 PlanReplay replay(const Problem& problem, const Situation& situation,
                   std::span<const ConnectionIndex> sequence, bool with_steps) {
-  for (const ConnectionSet* set :
-       {&situation.open, &situation.inaccessible, &situation.not_next, &situation.late}) {
-    if (set->universe() != problem.num_connections()) {
-      throw InputError("the situation is over " + std::to_string(set->universe()) +
-                       " connections, the problem has " +
-                       std::to_string(problem.num_connections()));
-    }
-  }
+  situation.require_over(problem.num_connections());
   return Replayer(problem, situation, sequence, with_steps).run();
 }
 

@@ -89,13 +89,7 @@ Rules::Rules(const Problem& problem, const Situation& situation)
 
 void Rules::set_situation(const Situation& situation) {
   const std::size_t connections = graph.num_connections();
-  for (const ConnectionSet* set :
-       {&situation.open, &situation.inaccessible, &situation.not_next, &situation.late}) {
-    if (set->universe() != connections) {
-      throw InputError("the situation is over " + std::to_string(set->universe()) +
-                       " connections, the problem has " + std::to_string(connections));
-    }
-  }
+  situation.require_over(connections);
   start = kept = not_next = late = ConnectionSet(connections);
   for_each_connection(situation.open.view(), [&](ConnectionIndex c) {
     if (situation.inaccessible.contains(c)) {

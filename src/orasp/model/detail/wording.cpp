@@ -134,6 +134,12 @@ std::string listed(std::span<const std::string_view> names) {
   return result;
 }
 
+std::string listed(std::span<const std::string_view> names, std::string_view last) {
+  if (names.size() < 2) return listed(names);
+  return listed(names.first(names.size() - 1)) + " " + std::string(last) + " " +
+         std::string(names.back());
+}
+
 std::string quoted_list(std::span<const std::string> ids, std::string_view last) {
   std::string text;
   for (std::size_t i = 0; i < ids.size(); ++i) {

@@ -34,6 +34,8 @@ namespace orasp::detail {
 
 /// The names joined by ", ".
 [[nodiscard]] std::string listed(std::span<const std::string_view> names);
+/// The same with the last two joined by the word `last`: a, b and c.
+[[nodiscard]] std::string listed(std::span<const std::string_view> names, std::string_view last);
 
 /// The ids in quotes, joined by ", ", and the last two by the word `last`: "a", "b" and "c".
 [[nodiscard]] std::string quoted_list(std::span<const std::string> ids, std::string_view last);
