@@ -232,6 +232,121 @@ TEST_P(Agreement, PieceBoundsAreAdmissibleAndConsistentInEveryState) {
   });
 }
 
+/// Calls check(state, what is there in it, best reward from the start to it) for the states of an
+/// assembly, with the connections that are there as the open ones: its states backwards.
+template <class Check>
+void for_each_state_backwards(const oracle::OracleResult& truth, Check&& check) {
+  for (const auto& [state, gained] : truth.best_from_start) {
+    oracle::State there = state;
+    there.flip();
+    check(state, oracle::set_of(there), gained);
+  }
+}
+
+// Backwards the steps of an assembly are the same, and what they earn.
+TEST_P(Agreement, AnAssemblyBackwardsHasTheSameSteps) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    if (spec.direction != Direction::Assembly) return;
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    const TransitionSystem backwards = system.backwards();
+    EXPECT_EQ(backwards.infeasibility().has_value(), system.infeasibility().has_value());
+    const oracle::World world(spec);
+    Expander expander(backwards);
+    // The steps into each state that can be reached.
+    std::map<oracle::State, std::map<std::size_t, double>> into;
+    for (const auto& [state, gained] : truth.best_from_start) {
+      for (const oracle::Facts& step : world.legal_facts(state)) {
+        oracle::State next = state;
+        next[step.connection] = false;
+        into[next][step.connection] = step.reward;
+      }
+    }
+    for_each_state_backwards(truth, [&](const oracle::State& state, const ConnectionSet& there,
+                                        double) {
+      std::map<std::size_t, double> steps = into[state];
+      for (const Action& action : expander.legal_actions(there.view())) {
+        oracle::State before = state;
+        before[action.connection] = true;
+        const auto found = steps.find(action.connection.value());
+        if (found == steps.end()) {
+          EXPECT_FALSE(truth.best_from_start.contains(before));  // a state that cannot be reached
+          continue;
+        }
+        EXPECT_NEAR(action.reward, found->second, reward_tolerance(action.reward));
+        const Step step = expander.step(there.view(), action.connection);
+        EXPECT_NEAR(step.reward, action.reward, reward_tolerance(action.reward));
+        EXPECT_EQ(step.completes, std::ranges::count(state, true) == 0);
+        EXPECT_EQ(step.after, there.size());
+        steps.erase(found);
+      }
+      EXPECT_TRUE(steps.empty());
+    });
+  });
+}
+
+// The bounds backwards: of what a plan earns up to a state.
+TEST_P(Agreement, BoundsOfAnAssemblyBackwardsAreAdmissibleAndConsistent) {
+  for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
+    if (spec.direction != Direction::Assembly) return;
+    const Problem problem(spec);
+    const TransitionSystem backwards = TransitionSystem(problem).backwards();
+    Expander expander(backwards);
+    for (const std::string_view name : kBoundNames) {
+      SCOPED_TRACE(std::string(name));
+      const std::unique_ptr<Bound> bound = make_bound(backwards, bound_called(name));
+      if (!bound->known()) continue;
+      for_each_state_backwards(
+          truth, [&](const oracle::State&, const ConnectionSet& there, double gained) {
+            const double here = (*bound)(there.view());
+            ASSERT_TRUE(std::isfinite(here));
+            EXPECT_GE(here, gained - reward_tolerance(here));
+            const auto span = expander.legal_actions(there.view());
+            const std::vector<Action> actions(span.begin(), span.end());
+            std::vector<double> told(actions.size());
+            bound->of_successors(there.view(), here, actions, told);
+            for (std::size_t i = 0; i < actions.size(); ++i) {
+              ConnectionSet next = there;
+              next.erase(actions[i].connection);
+              const double rest = (*bound)(next.view());
+              EXPECT_GE(here - rest, actions[i].reward - reward_tolerance(here));
+              EXPECT_NEAR(told[i], rest, reward_tolerance(here));
+            }
+          });
+    }
+  });
+}
+
+// With precedence alone, stated as `after`, `made_after` or `after_any`, both directions have the
+// same states and steps, no step leads to where the goal cannot be reached, and what a step could
+// not be followed by was not legal.
+TEST_P(Agreement, PrecedenceAloneLeavesNoDeadEnds) {
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds / kBlocks); ++seed) {
+    ProblemSpec spec = random_problem(seed * kBlocks + static_cast<std::uint64_t>(GetParam()));
+    SCOPED_TRACE(spec.name);
+    spec.limits = {};
+    spec.blocking.reset();
+    for (Connection& connection : spec.connections) connection.on_failure = {};
+    for (Precedence& entry : spec.precedence) entry.made_after_any.clear();
+    spec.direction = Direction::Disassembly;
+    const oracle::OracleResult down = oracle::brute_force(spec);
+    spec.direction = Direction::Assembly;
+    const oracle::OracleResult up = oracle::brute_force(spec);
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    EXPECT_EQ(system.infeasibility().has_value(), !up.feasible);
+    if (!up.feasible) continue;
+    EXPECT_EQ(up.states, down.states);
+    EXPECT_EQ(up.actions, down.actions);
+    EXPECT_EQ(up.sequences, down.sequences);
+    EXPECT_EQ(up.dead_ends, 0);
+    EXPECT_EQ(down.dead_ends, 0);
+    const StateGraph graph = StateGraph::build(system, Budget{});
+    EXPECT_EQ(graph.num_states(), up.states);
+    EXPECT_EQ(graph.num_actions(), up.actions);
+  }
+}
+
 // What searches do with each bound must not change what they find.
 TEST_P(Agreement, EveryBoundLeadsToTheSameReward) {
   for_each_seed([](const ProblemSpec& spec, const oracle::OracleResult& truth) {
@@ -308,6 +423,8 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   for (const Precedence& entry : spec.precedence) {
     if (!entry.after.empty()) features.insert("after");
     if (!entry.after_any.empty()) features.insert("after_any");
+    if (!entry.made_after.empty()) features.insert("made_after");
+    if (!entry.made_after_any.empty()) features.insert("made_after_any");
     if (++entries[entry.connection] > 1) features.insert("several entries on one connection");
   }
   if (reason && reason->constraint == Constraint::Precedence) features.insert("precedence cycle");
@@ -343,9 +460,13 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
 
   // What happens in its states: several pieces at the start, steps that each rule forbids, ties of
   // the moved piece.
-  const std::array<std::string, 6> rules = {"precedence (after)", "precedence (after_any)",
-                                            "max_subassemblies",  "max_moved_parts",
-                                            "max_moved_mass",     "blocking"};
+  const std::array<std::string, 7> rules = {"precedence (after)",
+                                            "precedence (after_any)",
+                                            "precedence (made_after_any)",
+                                            "max_subassemblies",
+                                            "max_moved_parts",
+                                            "max_moved_mass",
+                                            "blocking"};
   for (const auto& [state, value] : truth.best_to_go) {
     for (std::size_t c = 0; c < state.size(); ++c) {
       if (!state[c]) continue;
@@ -389,7 +510,7 @@ TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
       {"infeasible", 60},
       {"infeasible start", 10},
       {"infeasible, found by search only", 40},
-      {"feasible with dead ends", 40},
+      {"feasible with dead ends", 15},
       {"plans of different rewards", 150},
       {"bound from sizes", 100},
       {"bound from what is moved", 40},
@@ -428,8 +549,9 @@ TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
     wanted["objective " + std::string(type) + " in a sum"] = 3;
   wanted["objective callable"] = 40;
   for (int n = 0; n <= 8; ++n) wanted[std::to_string(n) + " connections"] = 15;
-  for (const char* rule : {"precedence (after)", "precedence (after_any)", "max_subassemblies",
-                           "max_moved_parts", "max_moved_mass", "blocking"}) {
+  for (const char* rule :
+       {"precedence (after)", "precedence (after_any)", "precedence (made_after_any)",
+        "max_subassemblies", "max_moved_parts", "max_moved_mass", "blocking"}) {
     wanted["a step forbidden by " + std::string(rule)] = 20;
     wanted["a step forbidden by nothing but " + std::string(rule)] = 10;
   }

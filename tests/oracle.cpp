@@ -120,6 +120,7 @@ double formula_value(const std::string& text, const std::map<std::string, double
 
 World::World(const ProblemSpec& spec) : spec_(spec) {
   touching_.resize(spec_.parts.size());
+  given_up_.assign(spec_.connections.size(), false);
   for (Connection& connection : spec_.connections) {
     if (connection.id.empty()) connection.id = connection.parts[0] + "-" + connection.parts[1];
     const std::size_t first = position(spec_.parts, connection.parts[0]);
@@ -129,10 +130,14 @@ World::World(const ProblemSpec& spec) : spec_(spec) {
     ends_.emplace_back(first, second);
   }
   for (const Precedence& entry : spec_.precedence) {
-    Clause clause{position(spec_.connections, entry.connection), {}, {}};
+    Clause clause{position(spec_.connections, entry.connection), {}, {}, {}};
     for (const std::string& id : entry.after) clause.after.insert(position(spec_.connections, id));
     for (const std::string& id : entry.after_any)
       clause.after_any.insert(position(spec_.connections, id));
+    for (const std::string& id : entry.made_after_any)
+      clause.made_after_any.insert(position(spec_.connections, id));
+    for (const std::string& id : entry.made_after)
+      clauses_.push_back({position(spec_.connections, id), {clause.connection}, {}, {}});
     clauses_.push_back(std::move(clause));
   }
   if (spec_.blocking) {
@@ -194,26 +199,145 @@ bool World::start_infeasible() const {
   return spec_.limits.max_subassemblies && subassemblies(start()) > *spec_.limits.max_subassemblies;
 }
 
-/// Rules speak of a removal: it takes the assembly from the connections `larger` to `smaller`.
-std::set<Rule> World::broken_precedence(const State& larger, std::size_t connection) const {
-  std::set<Rule> broken;
-  const auto still_there = [&](std::size_t c) { return bool{larger[c]}; };
+namespace {
+
+bool any_in(const std::set<std::size_t>& list, const State& set) {
+  return std::any_of(list.begin(), list.end(), [&](std::size_t c) { return bool{set[c]}; });
+}
+bool all_in(const std::set<std::size_t>& list, const State& set) {
+  return !list.empty() &&
+         std::all_of(list.begin(), list.end(), [&](std::size_t c) { return bool{set[c]}; });
+}
+
+}  // namespace
+
+State World::can_be_put_on(const State& present) const {
+  State on = given_up_;  // in disassembly: what stays
+  const auto may = [&](std::size_t c) {
+    for (const Clause& clause : clauses_) {
+      // What is removed after c is made before it.
+      if (clause.after.contains(c) && present[clause.connection] && !on[clause.connection])
+        return false;
+      if (clause.connection == c && !clause.made_after_any.empty() &&
+          !any_in(clause.made_after_any, on))
+        return false;
+    }
+    return true;
+  };
+  for (std::size_t c = 0; c < present.size();) {
+    if (present[c] && !on[c] && may(c)) {
+      on[c] = true;
+      c = 0;
+    } else {
+      ++c;
+    }
+  }
+  return on;
+}
+
+State World::can_be_taken_off(const State& missing, const State& never) const {
+  State off = never;
+  const auto may = [&](std::size_t c) {
+    const State there = inverse(off);
+    for (const Clause& clause : clauses_) {
+      if (clause.connection == c &&
+          (any_in(clause.after, there) || all_in(clause.after_any, there)))
+        return false;
+    }
+    return true;
+  };
+  for (std::size_t c = 0; c < missing.size();) {
+    if (missing[c] && !off[c] && may(c)) {
+      off[c] = true;
+      c = 0;
+    } else {
+      ++c;
+    }
+  }
+  return off;
+}
+
+void World::judge_removal(const State& present, Facts& facts) const {
+  State left = present;
+  left[facts.connection] = false;
+  const State on = can_be_put_on(left);
   for (const Clause& clause : clauses_) {
-    if (clause.connection != connection) continue;
-    if (std::any_of(clause.after.begin(), clause.after.end(), still_there))
-      broken.insert(Rule::Precedence);
-    if (!clause.after_any.empty() &&
-        std::all_of(clause.after_any.begin(), clause.after_any.end(), still_there)) {
-      broken.insert(Rule::PrecedenceAny);
+    if (clause.connection == facts.connection) {
+      if (any_in(clause.after, present)) facts.broken.insert(Rule::Precedence);
+      if (all_in(clause.after_any, present)) facts.broken.insert(Rule::PrecedenceAny);
+    }
+    if (!clause.made_after_any.contains(facts.connection) || !left[clause.connection]) continue;
+    State others = left;
+    others[clause.connection] = false;
+    const bool shut = given_up_[clause.connection]
+                          ? !any_in(clause.made_after_any, others)
+                          : !on[clause.connection] && !any_in(clause.made_after_any, on);
+    if (shut) facts.broken.insert(Rule::PrecedenceMadeAny);
+  }
+}
+
+void World::judge_making(const State& open, Facts& facts) const {
+  State missing = open;
+  for (std::size_t c = 0; c < open.size(); ++c) {
+    if (given_up_[c]) missing[c] = false;
+  }
+  const State to_make = missing;
+  missing[facts.connection] = false;
+  const State off = can_be_taken_off(missing, given_up_);
+  State made = inverse(open);
+  std::set<Rule> late;
+  for (const Clause& clause : clauses_) {
+    if (clause.after.contains(facts.connection) && to_make[clause.connection])
+      facts.broken.insert(Rule::Precedence);
+    if (clause.after_any.contains(facts.connection) && missing[clause.connection] &&
+        !off[clause.connection] && !any_in(clause.after_any, off))
+      facts.broken.insert(Rule::PrecedenceAny);
+    if (clause.connection != facts.connection) continue;
+    if (!clause.made_after_any.empty() && !any_in(clause.made_after_any, made))
+      facts.broken.insert(Rule::PrecedenceMadeAny);
+    if (any_in(clause.after, made)) late.insert(Rule::Precedence);
+    State with = made;
+    with[facts.connection] = true;
+    if (all_in(clause.after_any, with)) late.insert(Rule::PrecedenceAny);
+  }
+  for (const Rule rule : late) {
+    if (facts.broken.insert(rule).second) facts.too_late.insert(rule);
+  }
+}
+
+void World::judge_precedence(const State& open, Facts& facts) const {
+  if (spec_.direction == Direction::Assembly) {
+    judge_making(open, facts);
+  } else {
+    judge_removal(open, facts);
+  }
+}
+
+std::set<Rule> World::broken_at_start(const State& open) const {
+  std::set<Rule> broken;
+  const State made = inverse(open);
+  for (const Clause& clause : clauses_) {
+    const std::size_t c = clause.connection;
+    if (!open[c]) continue;
+    if (spec_.direction == Direction::Assembly) {
+      if (given_up_[c]) continue;
+      if (any_in(clause.after, made)) broken.insert(Rule::Precedence);
+      State with = made;
+      with[c] = true;
+      if (all_in(clause.after_any, with)) broken.insert(Rule::PrecedenceAny);
+    } else if (!clause.made_after_any.empty()) {
+      State others = open;
+      others[c] = false;
+      if (!any_in(clause.made_after_any, others)) broken.insert(Rule::PrecedenceMadeAny);
     }
   }
   return broken;
 }
 
-std::set<Rule> World::broken_rules(const State& larger, const State& smaller,
-                                   const Facts& facts) const {
-  std::set<Rule> broken = broken_precedence(larger, facts.connection);
-  if (!facts.separates) return broken;  // bound by precedence alone
+/// What judges cuts speaks of a removal, after which the connections `smaller` are there.
+void World::judge_cut(const State& smaller, Facts& facts) const {
+  std::set<Rule>& broken = facts.broken;
+  if (!facts.separates) return;  // bound by precedence alone
   const Limits& limits = spec_.limits;
   if (limits.max_subassemblies && subassemblies(smaller) > *limits.max_subassemblies) {
     broken.insert(Rule::MaxSubassemblies);
@@ -232,7 +356,6 @@ std::set<Rule> World::broken_rules(const State& larger, const State& smaller,
     const auto& directions = spec_.blocking->directions;
     if (std::none_of(directions.begin(), directions.end(), is_free)) broken.insert(Rule::Blocking);
   }
-  return broken;
 }
 
 Facts World::facts(const State& open, std::size_t connection, std::size_t kept) const {
@@ -241,7 +364,6 @@ Facts World::facts(const State& open, std::size_t connection, std::size_t kept) 
   const bool assembly = spec_.direction == Direction::Assembly;
   const State present = assembly ? inverse(open) : open;
   const State present_after = assembly ? inverse(rest) : rest;
-  const State& larger = assembly ? present_after : present;
   const State& smaller = assembly ? present : present_after;
 
   Facts facts;
@@ -260,7 +382,8 @@ Facts World::facts(const State& open, std::size_t connection, std::size_t kept) 
     facts.moved_mass = mass_of(facts.moved);
     facts.kept_mass = mass_of(first_moves(a, b) ? b : a);
   }
-  facts.broken = broken_rules(larger, smaller, facts);
+  judge_precedence(open, facts);
+  judge_cut(smaller, facts);
   facts.reward = reward(spec_.objective, facts);
   return facts;
 }
@@ -269,9 +392,10 @@ std::vector<Facts> World::legal_facts(const State& open) const {
   std::vector<Facts> legal;
   for (std::size_t c = 0; c < num_connections(); ++c) {
     if (!open[c]) continue;
-    State larger = spec_.direction == Direction::Assembly ? inverse(open) : open;
-    larger[c] = true;
-    if (!broken_precedence(larger, c).empty()) continue;  // saves time in wide problems
+    Facts before;
+    before.connection = c;
+    judge_precedence(open, before);
+    if (!before.legal()) continue;  // saves time in wide problems
     Facts one = facts(open, c);
     if (one.legal()) legal.push_back(std::move(one));
   }

@@ -37,6 +37,7 @@ using Parts = std::set<std::size_t>;
 enum class Rule {
   Precedence,
   PrecedenceAny,
+  PrecedenceMadeAny,
   MaxSubassemblies,
   MaxMovedParts,
   MaxMovedMass,
@@ -60,6 +61,8 @@ struct Facts {
   std::size_t subassemblies = 0;  ///< after the step, whether it separates or not
   double reward = 0;
   std::set<Rule> broken;  ///< the constraints that forbid it
+  /// Those of them that earlier steps have broken already, and this step does not: it is too late.
+  std::set<Rule> too_late;
 
   [[nodiscard]] bool legal() const { return broken.empty(); }
 };
@@ -70,6 +73,10 @@ class World {
 
   [[nodiscard]] std::size_t num_connections() const { return ends_.size(); }
   [[nodiscard]] State start() const { return State(num_connections(), true); }
+  /// Connections that are open and never handled: in assembly they are never there.
+  void give_up(const State& connections) { given_up_ = connections; }
+  /// The rules of precedence that are broken where the work stands, whatever is done from there.
+  [[nodiscard]] std::set<Rule> broken_at_start(const State& open) const;
   /// The whole product already has more subassemblies than allowed.
   [[nodiscard]] bool start_infeasible() const;
   /// `kept`: how many of the open connections are never handled.
@@ -84,15 +91,22 @@ class World {
     std::size_t connection;
     std::set<std::size_t> after;
     std::set<std::size_t> after_any;
+    std::set<std::size_t> made_after_any;
   };
   using Block = std::pair<std::size_t, std::size_t>;  ///< part, blocked by part
 
   [[nodiscard]] Parts piece_of(std::size_t part, const State& present) const;
   [[nodiscard]] double mass_of(const Parts& piece) const;
   [[nodiscard]] bool first_moves(const Parts& a, const Parts& b) const;
-  [[nodiscard]] std::set<Rule> broken_precedence(const State& larger, std::size_t connection) const;
-  [[nodiscard]] std::set<Rule> broken_rules(const State& larger, const State& smaller,
-                                            const Facts& facts) const;
+  void judge_removal(const State& present, Facts& facts) const;
+  void judge_making(const State& open, Facts& facts) const;
+  void judge_precedence(const State& open, Facts& facts) const;
+  /// Of `present`, what could have been put on in some order, as made_after_any asks.
+  [[nodiscard]] State can_be_put_on(const State& present) const;
+  /// What is taken off the product with all connections but `never`, or never there, when of
+  /// `missing` everything goes that may go, as after and after_any ask.
+  [[nodiscard]] State can_be_taken_off(const State& missing, const State& never) const;
+  void judge_cut(const State& smaller, Facts& facts) const;
   [[nodiscard]] double reward(const Objective& objective, const Facts& facts) const;
   [[nodiscard]] double distance(const Parts& piece, const Vector3& depot) const;
   [[nodiscard]] bool positions_known(const Parts& piece) const;
@@ -101,6 +115,7 @@ class World {
   std::vector<std::pair<std::size_t, std::size_t>> ends_;
   std::vector<std::vector<std::size_t>> touching_;  ///< connections of each part
   std::vector<Clause> clauses_;
+  State given_up_;
   std::map<std::string, std::set<Block>> blocks_;  ///< by direction, closed under antisymmetry
 };
 

@@ -208,6 +208,18 @@ void add_precedence(ProblemSpec& spec, Draw& draw) {
     for (const std::size_t c : candidates) ids.push_back(id_of(spec.connections[c]));
     return ids;
   };
+  // Draws of its own, so that the rest of a problem does not depend on them.
+  std::uint64_t seed = connections;
+  for (const std::size_t place : order) seed = seed * 31 + place;
+  Draw made(seed);
+  const auto some_behind = [&](std::size_t place, std::size_t most) {
+    std::vector<std::string> ids;
+    for (std::size_t i = place + 1; i < connections && ids.size() < most; ++i) {
+      if (made.chance(0.6)) ids.push_back(id_of(spec.connections[order[i]]));
+    }
+    if (ids.empty()) ids.push_back(id_of(spec.connections[order[(place + 1) % connections]]));
+    return ids;
+  };
   const std::size_t entries = draw.between(1, 4);
   for (std::size_t e = 0; e < entries; ++e) {
     const std::size_t place = draw.between(1, connections - 1);
@@ -216,6 +228,14 @@ void add_precedence(ProblemSpec& spec, Draw& draw) {
     const std::size_t kind = draw.between(0, 4);
     if (kind != 1) entry.after = some_before(place, 2);
     if (kind == 1 || kind == 2) entry.after_any = some_before(place, 3);
+    if (made.chance(0.3)) {
+      // The same by the way it is made: what comes later in the order is removed later, so it is
+      // made earlier.
+      const std::size_t which = made.between(0, 2);
+      if (which == 0) entry.after.clear();
+      if (which != 1) entry.made_after = some_behind(place, 2);
+      if (which != 0) entry.made_after_any = some_behind(place, 3);
+    }
     spec.precedence.push_back(entry);
   }
 }

@@ -47,14 +47,16 @@ struct Row {
   }
 };
 
-/// Where no methods are named: every method for fleets, or every exact method for one robot, as the
-/// objective says; not the baseline, which takes minutes where the others take milliseconds.
+/// Where no methods are named: every method for fleets, or every method for one robot that proves
+/// something, as the objective says; not the baseline, which takes minutes where the others take
+/// milliseconds.
 std::vector<const Planner*> all_methods(const Problem& problem) {
   const bool of_fleet = problem.objective().of_fleet();
   std::vector<const Planner*> chosen;
   for (const Planner& planner : planners()) {
     if (planner.role == Role::Chooser || planner.role == Role::Baseline) continue;
-    if (of_fleet ? planner.fleets : planner.exact && planner.one_robot) chosen.push_back(&planner);
+    const bool proves = planner.exact || planner.bounds;
+    if (of_fleet ? planner.fleets : proves && planner.one_robot) chosen.push_back(&planner);
   }
   return chosen;
 }
@@ -338,10 +340,11 @@ CommandWork compare_command(CommandLine& line) {
   line.about("Runs several methods on several problems and prints one table.");
   line.positionals("PROBLEM", options.problems, kProblemHelp);
   line.group("Method");
-  line.text("--methods", "A,B,...",
-            "Methods to run (default: every exact one that accepts the problem; every one for "
-            "fleets where there is a fleet).",
-            options.methods);
+  line.text(
+      "--methods", "A,B,...",
+      "Methods to run (default: every one with a proof that accepts the problem; every one for "
+      "fleets where there is a fleet).",
+      options.methods);
   line.words(method_names());
   add_seed_option(line, options.seed, "the methods that draw random numbers");
   add_steps_option(line, options.steps);

@@ -18,9 +18,9 @@ std::string conflict_text(const ProblemExplanation& found) {
     text += fmt::format("{} constraints conflict; any {} of them alone would allow a plan:\n",
                         grouped(size), grouped(size - 1));
   } else {
-    text +=
-        fmt::format("{} constraints conflict; it is not proved that all of them are needed ({}):\n",
-                    grouped(size), stop_text(found.stop));
+    text += fmt::format(
+        "{} constraints conflict; it is not proved that all of them are needed{}:\n", grouped(size),
+        found.stop == Stop::None ? "" : fmt::format(" ({})", stop_text(found.stop)));
   }
   std::size_t width = 0;
   for (const ConflictItem& item : found.conflict)

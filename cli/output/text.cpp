@@ -153,8 +153,9 @@ std::string in_quotes(std::string_view text) {
 }
 
 std::size_t display_width(std::string_view text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
+  // fmt knows which characters take two columns: it is asked how much it would add to fill a width.
+  const std::size_t most = 2 * text.size();
+  return most - (fmt::formatted_size("{:<{}}", text, most) - text.size());
 }
 
 std::string wrapped_list(std::span<const std::string> items, std::size_t indent,

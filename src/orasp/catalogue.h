@@ -72,6 +72,8 @@ struct Planner {
   Role role = Role::Search;
   /// Proves that a plan is optimal, or that there is none, if it is not stopped.
   bool exact = false;
+  /// Proves a bound on what any plan earns, and that its plan is optimal where it meets that.
+  bool bounds = false;
   /// Whether it plans for one robot.
   bool one_robot = true;
   /// Whether it plans for several robots.

@@ -43,10 +43,17 @@ Reason values_needed(const Request& request) {
   return value_iteration_obstacle(system, request.options.value_iteration, request.budget);
 }
 
+Reason bound_needed_by(const TransitionSystem& system, BoundKind kind) {
+  return detail::bound_obstacle(*make_bound(system, kind), system, kind);
+}
+
+/// Of a method that looks at an assembly from its end.
 Reason bound_needed(const Request& request) {
   if (settled_at_sight(request)) return std::nullopt;
-  const BoundKind kind = request.options.bound;
-  return detail::bound_obstacle(*make_bound(*request.system, kind), *request.system, kind);
+  const TransitionSystem& system = *request.system;
+  return system.takes_apart() || system.ordered()
+             ? bound_needed_by(system, request.options.bound)
+             : bound_needed_by(system.backwards(), request.options.bound);
 }
 
 /// Beam goes on without a bound where it was not asked for a certain one.
@@ -222,6 +229,7 @@ constexpr std::array kPlanners = {
             .options = bound_options},
     Planner{.name = "and-or",
             .summary = "piece by piece: AND/OR search over connected sets of parts",
+            .bounds = true,
             .obstacle = pieces_needed,
             .run = run_and_or},
     Planner{.name = "mip",

@@ -40,6 +40,9 @@ class Truth {
     for (std::size_t c = 0; c < size(); ++c) {
       if (start_[c] && has(now.inaccessible, c)) ++kept_;
     }
+    oracle::State never = start_;
+    for (std::size_t c = 0; c < size(); ++c) never[c] = start_[c] && has(now.inaccessible, c);
+    world_.give_up(never);
     best_ = cannot_begin() ? kNever : best(start_);
   }
 
@@ -70,6 +73,9 @@ class Truth {
   }
 
   [[nodiscard]] bool cannot_begin() const {
+    if (static_cast<std::size_t>(std::ranges::count(start_, true)) > kept_ &&
+        !world_.broken_at_start(start_).empty())
+      return true;
     if (!spec_.limits.max_subassemblies ||
         static_cast<std::size_t>(std::ranges::count(start_, true)) == kept_)
       return false;

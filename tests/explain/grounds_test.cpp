@@ -86,10 +86,14 @@ TEST(Grounds, BlockingNamesTheWaysOfTheMovedPiece) {
 std::multiset<std::string> bearing_on(const Problem& problem, const Step& step) {
   std::multiset<std::string> places;
   for (const PrecedenceClause& clause : problem.precedence()) {
-    if (clause.connection != step.connection) continue;
     const std::string where = "precedence[" + std::to_string(clause.entry) + "]";
-    if (!clause.after.empty()) places.insert(where);
-    if (!clause.after_any.empty()) places.insert(where);
+    const bool own = clause.connection == step.connection;
+    // In assembly the one that is made later waits.
+    const bool named = std::ranges::find(clause.after, step.connection) != clause.after.end();
+    const bool assembly = problem.direction() == Direction::Assembly;
+    if (assembly ? named : own && !clause.after.empty()) places.insert(where);
+    if (own && !assembly && !clause.after_any.empty()) places.insert(where);
+    if (own && assembly && !clause.made_after_any.empty()) places.insert(where);
   }
   if (!step.separates) return places;
   if (problem.limits().max_subassemblies) places.insert("limits.max_subassemblies");
@@ -113,10 +117,16 @@ TEST(Grounds, WhatBearsOnAStepIsEitherMetOrViolated) {
     ASSERT_EQ(found.size(), evaluation.steps.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
       std::multiset<std::string> places;
-      for (const Ground& ground : found[i]) places.insert(ground.where);
+      // Rules that are met by the step that they are about, and broken by another one.
+      const Constraint ahead = problem.direction() == Direction::Assembly
+                                   ? Constraint::PrecedenceAny
+                                   : Constraint::PrecedenceMadeAny;
+      for (const Ground& ground : found[i]) {
+        if (ground.constraint != ahead) places.insert(ground.where);
+      }
       met += places.size();
       for (const StepViolation& violation : evaluation.violations) {
-        if (violation.step != i + 1) continue;
+        if (violation.step != i + 1 || violation.violation.constraint == ahead) continue;
         places.insert(violation.violation.where);
         ++broken;
       }

@@ -262,8 +262,10 @@ TEST(ProblemJson, NamesAMissingKey) {
   EXPECT_EQ(fault(with_part("{}")), "parts[0]: the key \"id\" is missing");
   EXPECT_EQ(fault(with_connection(R"({"id": "x"})")),
             "connections[0]: the key \"parts\" is missing");
-  EXPECT_EQ(fault(with(R"("precedence": [{"connection": "1-2"}])")),
-            "precedence[0]: \"after\" or \"after_any\" is missing, one of them is needed");
+  EXPECT_EQ(
+      fault(with(R"("precedence": [{"connection": "1-2"}])")),
+      "precedence[0]: \"after\", \"after_any\", \"made_after\" or \"made_after_any\" is missing, "
+      "one is needed");
   EXPECT_EQ(fault(with(R"("objective": {})")), "objective: the key \"type\" is missing");
   EXPECT_EQ(fault(with(R"("objective": {"type": "expression"})")),
             "objective: the key \"formula\" is missing");

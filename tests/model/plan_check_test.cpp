@@ -48,6 +48,7 @@ Constraint constraint_of(oracle::Rule rule) {
   switch (rule) {
     case oracle::Rule::Precedence: return Constraint::Precedence;
     case oracle::Rule::PrecedenceAny: return Constraint::PrecedenceAny;
+    case oracle::Rule::PrecedenceMadeAny: return Constraint::PrecedenceMadeAny;
     case oracle::Rule::MaxSubassemblies: return Constraint::MaxSubassemblies;
     case oracle::Rule::MaxMovedParts: return Constraint::MaxMovedParts;
     case oracle::Rule::MaxMovedMass: return Constraint::MaxMovedMass;
@@ -57,14 +58,17 @@ Constraint constraint_of(oracle::Rule rule) {
 }
 
 Truth truth_of(const ProblemSpec& spec, const Situation& now, const Sequence& sequence) {
-  const oracle::World world(spec);
+  oracle::World world(spec);
   const std::size_t connections = world.num_connections();
   const oracle::State start = oracle::state_of(now.open.view(), connections);
   oracle::State open = start;
   std::size_t kept = 0;
+  oracle::State never(connections, false);
   for (ConnectionIndex c = 0; c < connections; ++c) {
-    if (now.open.contains(c) && now.inaccessible.contains(c)) ++kept;
+    never[c] = now.open.contains(c) && now.inaccessible.contains(c);
+    if (never[c]) ++kept;
   }
+  world.give_up(never);
   Truth truth;
   oracle::State product = start;
   if (spec.direction == Direction::Assembly) {
@@ -74,6 +78,10 @@ Truth truth_of(const ProblemSpec& spec, const Situation& now, const Sequence& se
   if (now.open.size() > kept && spec.limits.max_subassemblies &&
       world.subassemblies(product) > *spec.limits.max_subassemblies)
     truth.broken[0].insert(Constraint::MaxSubassemblies);
+  // Where some rule of precedence is broken, all that are broken at the start are named too.
+  std::set<oracle::Rule> at_start;
+  if (now.open.size() > kept) at_start = world.broken_at_start(start);
+  for (const oracle::Rule rule : at_start) truth.broken[0].insert(constraint_of(rule));
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     const ConnectionIndex c = sequence[i];
     std::set<Constraint> broken;
@@ -83,7 +91,9 @@ Truth truth_of(const ProblemSpec& spec, const Situation& now, const Sequence& se
       broken.insert(Constraint::NotOpen);
     } else {
       const oracle::Facts facts = world.facts(open, c, kept);
-      for (const oracle::Rule rule : facts.broken) broken.insert(constraint_of(rule));
+      for (const oracle::Rule rule : facts.broken) {
+        if (!facts.too_late.contains(rule)) broken.insert(constraint_of(rule));
+      }
       if (open == start && now.not_next.contains(c)) broken.insert(Constraint::NotNext);
       for (ConnectionIndex other = 0; now.late.contains(c) && other < connections; ++other) {
         if (open[other] && !now.inaccessible.contains(other) && !now.late.contains(other) &&
@@ -200,9 +210,10 @@ TEST(PlanCheck, AgreesWithBruteForceOnAnyPlanOfAnyProblemInAnySituation) {
   }
   EXPECT_GE(legal, more_than(500));
   for (const Constraint constraint :
-       {Constraint::Precedence, Constraint::PrecedenceAny, Constraint::MaxSubassemblies,
-        Constraint::MaxMovedParts, Constraint::MaxMovedMass, Constraint::Blocking,
-        Constraint::NotOpen, Constraint::Inaccessible, Constraint::NotNext, Constraint::Late})
+       {Constraint::Precedence, Constraint::PrecedenceAny, Constraint::PrecedenceMadeAny,
+        Constraint::MaxSubassemblies, Constraint::MaxMovedParts, Constraint::MaxMovedMass,
+        Constraint::Blocking, Constraint::NotOpen, Constraint::Inaccessible, Constraint::NotNext,
+        Constraint::Late})
     EXPECT_GE(met[constraint], more_than(20)) << constraint_name(constraint);
 }
 
@@ -413,12 +424,13 @@ TEST(PlanCheck, FindsStepsAgainstPrecedence) {
                "step 1 removes \"2-3\" before \"1-2\", against precedence[0]");
   spec.direction = Direction::Assembly;
   EXPECT_TRUE(checked(spec, {1, 0, 2}).legal);
-  expect_fault(checked(spec, {2, 0, 1}), 3,
-               "step 3 makes \"2-3\" after \"1-2\", against precedence[0]");
+  expect_fault(checked(spec, {2, 0, 1}), 2,
+               "step 2 makes \"1-2\" before \"2-3\", against precedence[0]");
   spec.precedence = {{"1-2", {}, {}}, {"2-3", {}, {"1-2", "3-4"}}};
   EXPECT_TRUE(checked(spec, {2, 1, 0}).legal);
-  expect_fault(checked(spec, {2, 0, 1}), 3,
-               "step 3 makes \"2-3\" while all of after_any are there, against precedence[1]");
+  expect_fault(checked(spec, {2, 0, 1}), 2,
+               "step 2 makes \"1-2\", after which \"2-3\" could no longer be made, against "
+               "precedence[1]");
   spec.direction = Direction::Disassembly;
   EXPECT_TRUE(checked(spec, {2, 1, 0}).legal);
   expect_fault(checked(spec, {1, 0, 2}), 1,
@@ -426,6 +438,15 @@ TEST(PlanCheck, FindsStepsAgainstPrecedence) {
   spec.precedence = {{"3-4", {"3-4"}, {}}};
   expect_fault(checked(spec, {0, 1, 2}), 3,
                "step 3 removes \"3-4\", which by precedence[0] waits for itself");
+  spec.precedence = {{.connection = "1-2", .made_after_any = {"2-3", "3-4"}}};
+  EXPECT_TRUE(checked(spec, {1, 0, 2}).legal);
+  expect_fault(checked(spec, {1, 2, 0}), 2,
+               "step 2 removes \"3-4\", after which \"1-2\" would lack what it needs, against "
+               "precedence[0]");
+  spec.direction = Direction::Assembly;
+  EXPECT_TRUE(checked(spec, {2, 0, 1}).legal);
+  expect_fault(checked(spec, {0, 1, 2}), 1,
+               "step 1 makes \"1-2\" while none of made_after_any is there, against precedence[0]");
 }
 
 TEST(PlanCheck, FindsStepsBeyondALimit) {

@@ -29,6 +29,7 @@ oracle::Rule rule_of(Constraint constraint) {
   switch (constraint) {
     case Constraint::Precedence: return oracle::Rule::Precedence;
     case Constraint::PrecedenceAny: return oracle::Rule::PrecedenceAny;
+    case Constraint::PrecedenceMadeAny: return oracle::Rule::PrecedenceMadeAny;
     case Constraint::MaxSubassemblies: return oracle::Rule::MaxSubassemblies;
     case Constraint::MaxMovedParts: return oracle::Rule::MaxMovedParts;
     case Constraint::MaxMovedMass: return oracle::Rule::MaxMovedMass;
@@ -311,15 +312,40 @@ TEST(PrecedenceRule, AfterNeedsAllAndAfterAnyNeedsOne) {
   EXPECT_EQ(legal_after(spec, {"2-3", "1-2"}), Ids({"3-4", "4-5"}));
 }
 
-// The same for assembly: 4-5 must be made before 1-2 and 2-3; 1-2 before at least one of 3-4, 2-3.
+// The same for assembly: 1-2 and 2-3 are made after 4-5; 1-2 before at least one of 3-4, 2-3.
 TEST(PrecedenceRule, IsReversedInAssembly) {
   ProblemSpec spec = chain(5);
   spec.precedence = {{"4-5", {"1-2", "2-3"}, {}}, {"1-2", {}, {"3-4", "2-3"}}};
   spec.direction = Direction::Assembly;
-  EXPECT_EQ(legal_after(spec), Ids({"1-2", "2-3", "3-4", "4-5"}));
-  EXPECT_EQ(legal_after(spec, {"2-3"}), Ids({"1-2", "3-4"}));  // 4-5 is too late: 2-3 is there
+  EXPECT_EQ(legal_after(spec), Ids({"3-4", "4-5"}));
+  EXPECT_EQ(legal_after(spec, {"4-5"}), Ids({"1-2", "2-3", "3-4"}));
+  EXPECT_EQ(legal_after(spec, {"4-5", "3-4"}), Ids({"1-2"}));  // 2-3 would shut out 1-2
+  EXPECT_EQ(legal_after(spec, {"2-3"}), Ids{});  // 4-5 is too late, and 3-4 would shut out 1-2
   EXPECT_EQ(legal_after(spec, {"4-5", "3-4", "2-3"}), Ids{});  // 1-2 is too late: both are there
-  EXPECT_EQ(legal_after(spec, {"4-5", "3-4"}), Ids({"1-2", "2-3"}));
+}
+
+// 1 - 2 - 3 - 4 - 5, stated by the way it is made: 1-2 after 3-4, and after 2-3 or 4-5.
+TEST(PrecedenceRule, IsStatedByTheWayTheProductIsMade) {
+  ProblemSpec spec = chain(5);
+  spec.precedence = {
+      {.connection = "1-2", .made_after = {"3-4"}, .made_after_any = {"2-3", "4-5"}}};
+  EXPECT_EQ(legal_after(spec), Ids({"1-2", "2-3", "4-5"}));
+  EXPECT_EQ(legal_after(spec, {"2-3"}), Ids({"1-2"}));  // 3-4 and 4-5 are needed as long as 1-2 is
+  EXPECT_EQ(legal_after(spec, {"2-3", "1-2"}), Ids({"3-4", "4-5"}));
+  spec.direction = Direction::Assembly;
+  EXPECT_EQ(legal_after(spec), Ids({"2-3", "3-4", "4-5"}));
+  EXPECT_EQ(legal_after(spec, {"3-4"}), Ids({"2-3", "4-5"}));
+  EXPECT_EQ(legal_after(spec, {"3-4", "4-5"}), Ids({"1-2", "2-3"}));
+}
+
+// Each of 1-2 and 2-3 needs the other or 3-4: without 3-4 neither could have been put on first.
+TEST(PrecedenceRule, WhatHoldsOnlyEachOtherCouldNotHaveBeenPutOn) {
+  ProblemSpec spec = chain(4);
+  spec.precedence = {{.connection = "1-2", .made_after_any = {"2-3", "3-4"}},
+                     {.connection = "2-3", .made_after_any = {"1-2", "3-4"}}};
+  EXPECT_EQ(legal_after(spec), Ids({"1-2", "2-3"}));
+  EXPECT_EQ(legal_after(spec, {"1-2"}), Ids({"2-3"}));
+  EXPECT_EQ(legal_after(spec, {"1-2", "2-3"}), Ids({"3-4"}));
 }
 
 // Blocked along +x alone, 1 may leave 2 along -x.
@@ -614,8 +640,7 @@ TEST(WideProblem, OfAThousandConnectionsHasItsStates) {
   EXPECT_TRUE(graph.goal().has_value());
 }
 
-// In assembly the same clauses forbid only what comes after: with 2-3 made, 3-4 is too late for
-// ever, and with nothing made each of the 1,000 may be the first.
+// In assembly each waits for the one that is removed after it, so there is one order.
 TEST(WideProblem, OfAThousandConnectionsIsReversedInAssembly) {
   ProblemSpec spec = chain(1001);
   spec.direction = Direction::Assembly;
@@ -629,11 +654,13 @@ TEST(WideProblem, OfAThousandConnectionsIsReversedInAssembly) {
   const TransitionSystem system(problem);
   Expander expander(system);
   ConnectionSet open = system.start();
-  EXPECT_EQ(expander.legal_actions(open.view()).size(), 1000U);
-  open.erase(1);
-  EXPECT_EQ(expander.legal_actions(open.view()).size(), 998U);
-  EXPECT_FALSE(expander.legal(open.view(), 2));
-  EXPECT_TRUE(expander.legal(open.view(), 0));
+  for (ConnectionIndex c = 999; c > 0; --c) {
+    const auto legal = expander.legal_actions(open.view());
+    ASSERT_EQ(legal.size(), 1U);
+    ASSERT_EQ(legal.front().connection, c);
+    EXPECT_FALSE(expander.legal(open.view(), c - 1));
+    open.erase(c);
+  }
 }
 
 /// `small` among `filler` more connections of the first part to itself, which must go one after the

@@ -12,10 +12,11 @@ namespace orasp {
 
 namespace {
 
-/// The bound of the paper, under which no step earns more than 0; here the last step may.
+/// The bound of the paper, under which no step earns more than 0; here the step that completes may.
 class ZeroBound final : public Bound {
  public:
-  explicit ZeroBound(const TransitionSystem& system) {
+  explicit ZeroBound(const TransitionSystem& system)
+      : completes_first_(system.completes_first()), num_steps_(system.num_steps()) {
     const std::size_t connections = system.num_connections();
     for (ConnectionIndex c = 0; c < connections; ++c) {
       known_ = known_ && system.reward_range(c, connections, false).greatest <= 0;
@@ -26,15 +27,18 @@ class ZeroBound final : public Bound {
   [[nodiscard]] bool known() const override { return known_; }
   [[nodiscard]] double operator()(SetView open) override {
     if (!known_) return kInfinity;
-    return count(open) == 0 ? 0 : last_;
+    const std::size_t left = count(open);
+    return left == 0 || (completes_first_ && left < num_steps_) ? 0 : last_;
   }
   void of_successors(SetView open, double here, std::span<const Action>,
                      std::span<double> bounds) override {
-    std::ranges::fill(bounds, count(open) == 1 ? 0 : here);
+    std::ranges::fill(bounds, completes_first_ || count(open) == 1 ? 0 : here);
   }
 
  private:
   bool known_ = true;
+  bool completes_first_;
+  std::size_t num_steps_;
   double last_ = 0;
 };
 

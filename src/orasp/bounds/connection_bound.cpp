@@ -7,7 +7,8 @@
 
 namespace orasp {
 
-ConnectionBound::ConnectionBound(const TransitionSystem& system) {
+ConnectionBound::ConnectionBound(const TransitionSystem& system)
+    : completes_first_(system.completes_first()), num_steps_(system.num_steps()) {
   const std::size_t connections = system.num_connections();
   last_surplus_ = connections == 0 ? 0 : -kInfinity;
   for (ConnectionIndex c = 0; c < connections; ++c) {
@@ -20,18 +21,21 @@ ConnectionBound::ConnectionBound(const TransitionSystem& system) {
 
 double ConnectionBound::operator()(SetView open) {
   double sum = 0;
-  bool goal = true;
+  std::size_t left = 0;
   for_each_connection(open, [&](ConnectionIndex c) {
     sum += greatest_[c];
-    goal = false;
+    ++left;
   });
-  if (goal) return 0;
-  return known_ ? sum + last_surplus_ : kInfinity;
+  if (left == 0) return 0;
+  if (!known_) return kInfinity;
+  return completes_later(left) ? sum + last_surplus_ : sum;
 }
 
 void ConnectionBound::of_successors(SetView open, double here, std::span<const Action> actions,
                                     std::span<double> bounds) {
-  const bool last = count(open) == 1;
+  const std::size_t left = count(open);
+  const bool last = left == 1;
+  if (completes_first_ && completes_later(left)) here -= last_surplus_;
   for (std::size_t i = 0; i < actions.size(); ++i)
     bounds[i] = last ? 0 : here - greatest_[actions[i].connection];
 }

@@ -9,7 +9,8 @@
 namespace orasp {
 
 /// A bound for any objective: each open connection earns at most its greatest reward
-/// (TransitionSystem::reward_range), and the last step at most `last_surplus` more.
+/// (TransitionSystem::reward_range), and the step that completes at most `last_surplus` more. That
+/// is the last step, or, backwards, the first.
 ///
 /// Admissible. A plan handles each open connection once, and each step earns at most what its range
 ///             allows.
@@ -32,7 +33,14 @@ class ConnectionBound final : public Bound {
   [[nodiscard]] double last_surplus() const { return last_surplus_; }
 
  private:
+  /// Whether completing is still to come in a state with so many open connections.
+  [[nodiscard]] bool completes_later(std::size_t open) const {
+    return !completes_first_ || open == num_steps_;
+  }
+
   bool known_ = true;
+  bool completes_first_ = false;
+  std::size_t num_steps_ = 0;
   double last_surplus_ = 0;
   std::vector<double> greatest_;
 };

@@ -11,8 +11,9 @@ namespace orasp {
 /// The units that a disassembly ends with.
 ///
 /// In the middle of the work some connections may be inaccessible: they stay as they are for ever
-/// (TransitionSystem::kept). The parts that they hold together never come apart. Such a group of
-/// parts, and each part that is in no group, is a unit.
+/// (TransitionSystem::kept). Backwards these are the connections that are made already. The parts
+/// that they hold together never come apart. Such a group of parts, and each part that is in no
+/// group, is a unit.
 class PartUnits {
  public:
   /// Every part is a unit of its own.

@@ -42,7 +42,28 @@ PieceBound::PieceBound(const TransitionSystem& system, Kind kind) : gains_(syste
   sizes_ = kind != Kind::Parts && gains_.known() && gains_.sizes_known();
   parts_ = kind != Kind::Sizes && gains_.known() && gains_.parts_known();
   known_ = sizes_ || parts_;
-  if (known_) scratch_ = std::make_unique<Scratch>(system, parts_ || gains_.has_units());
+  if (!known_) return;
+  scratch_ = std::make_unique<Scratch>(system, parts_ || gains_.has_units());
+  completes_first_ = system.completes_first();
+  num_steps_ = system.num_steps();
+  if (completes_first_ && num_steps_ > 0) look_at_first_step(system);
+}
+
+void PieceBound::look_at_first_step(const TransitionSystem& system) {
+  const ConnectionSet& start = system.start();
+  try {
+    Expander expander(system);
+    const auto legal = expander.legal_actions(start.view());
+    const double pieces = (*this)(start.view());
+    changes_.resize(legal.size());
+    of_successors(start.view(), pieces, legal, changes_);
+    double most = -kInfinity;
+    for (std::size_t i = 0; i < legal.size(); ++i)
+      most = std::max(most, legal[i].reward + changes_[i]);
+    if (!legal.empty()) first_extra_ = most - pieces;
+  } catch (const InputError&) {
+    known_ = false;  // a formula without a value for a step that no plan may ever take
+  }
 }
 
 PieceBound::~PieceBound() = default;
@@ -111,24 +132,28 @@ void PieceBound::of_successors_with_units(SetView open, double here,
     const std::size_t cut_piece = s.piece_of[all.front()];
     const double first = of_piece(all.first(a));
     const double second = of_piece(all.subspan(a));
+    bounds[i] += first + second - s.gains[cut_piece];
+    if (completes_first_) continue;
     const double now =
         std::max({cut_piece == best ? others : greatest, of_last_piece(all.first(a)) - first,
                   of_last_piece(all.subspan(a)) - second});
-    bounds[i] += first + second - s.gains[cut_piece] + now - greatest;
+    bounds[i] += now - greatest;
   }
 }
 
 double PieceBound::operator()(SetView open) {
   if (!known_) return kInfinity;
   double sum = 0;
-  bool goal = true;
+  std::size_t left = 0;
   for_each_connection(open, [&](ConnectionIndex c) {
     sum += gains_.own(c);
-    goal = false;
+    ++left;
   });
-  if (goal) return 0;
+  if (left == 0) return 0;
+  if (completes_first_ && left == num_steps_) sum += first_extra_;
   if (gains_.has_units()) {
     sum += measure_units(open);
+    if (completes_first_) return sum;
     return sum +
            std::max(gains_.surplus_without_cut(), *std::ranges::max_element(scratch_->surpluses));
   }
@@ -139,10 +164,12 @@ double PieceBound::operator()(SetView open) {
 
 void PieceBound::of_successors(SetView open, double here, std::span<const Action> actions,
                                std::span<double> bounds) {
-  if (count(open) == 1) {
+  const std::size_t left = count(open);
+  if (left == 1) {
     std::ranges::fill(bounds, 0.0);
     return;
   }
+  if (completes_first_ && left == num_steps_) here -= first_extra_;
   if (gains_.has_units()) {
     of_successors_with_units(open, here, actions, bounds);
     return;

@@ -22,8 +22,11 @@ namespace orasp {
 ///             (PartUnits). It has that many cuts fewer, and each unit but one ends as the last of
 ///             what was moved, so it pays the price of any one of its parts. What completing adds
 ///             then depends on the piece that is cut last.
-/// Limit.      The bound is infinite where the objective sees more than the piece, in assembly, and
-///             beyond PieceGains::kMostParts.
+/// Completing. Where it is the first step that completes (TransitionSystem::backwards) there is one
+///             state before it, the start. Its bound is the greatest, over its legal steps, of what
+///             the step earns and the bound of the state that it leads to.
+/// Limit.      The bound is infinite where the objective sees more than the piece, where steps make
+///             connections, and beyond PieceGains::kMostParts.
 /// Cost.       O(parts^2) once, O(parts + connections) a state.
 class PieceBound final : public Bound {
  public:
@@ -42,6 +45,7 @@ class PieceBound final : public Bound {
 
  private:
   struct Scratch;
+  void look_at_first_step(const TransitionSystem& system);
   [[nodiscard]] double of_piece(std::span<const PartIndex> piece) const;
   [[nodiscard]] double of_last_piece(std::span<const PartIndex> piece) const;
   double measure_units(SetView open);
@@ -52,6 +56,11 @@ class PieceBound final : public Bound {
   bool sizes_ = false;
   bool parts_ = false;
   bool known_ = false;
+  /// Where the first step completes: the open connections of the start, and by how much its bound
+  /// is above that of its pieces.
+  bool completes_first_ = false;
+  std::size_t num_steps_ = 0;
+  double first_extra_ = 0;
   std::vector<double> changes_;
   std::unique_ptr<Scratch> scratch_;
 };

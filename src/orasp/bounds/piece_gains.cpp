@@ -8,16 +8,16 @@ namespace orasp {
 
 PieceGains::PieceGains(const TransitionSystem& system) {
   const Problem& problem = system.problem();
-  known_ = system.sees_piece_only() && problem.direction() == Direction::Disassembly &&
-           problem.num_parts() <= kMostParts;
+  known_ = system.sees_piece_only() && system.takes_apart() && problem.num_parts() <= kMostParts;
   if (!known_) return;
   Expander expander(system);
   units_ = PartUnits(system);
   try {
-    last_surplus_ = system.num_steps() == 0 ? 0 : -kInfinity;
+    const bool completes_last = !system.completes_first();
+    last_surplus_ = system.num_steps() == 0 || !completes_last ? 0 : -kInfinity;
     for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
       own_.push_back(expander.own_reward(c));
-      if (system.start().contains(c))
+      if (completes_last && system.start().contains(c))
         last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
     }
     most_moved_ = problem.limits().max_moved_parts.value_or(problem.num_parts());
@@ -77,7 +77,7 @@ void PieceGains::measure_sizes(const TransitionSystem& system, Expander& expande
     }
   }
   sizes_known_ = std::ranges::all_of(by_size_, [](double best) { return std::isfinite(best); });
-  if (has_units()) measure_surpluses(system, expander);
+  if (has_units() && !system.completes_first()) measure_surpluses(system, expander);
   if (sizes_known_ && has_units()) measure_sizes_with_excess();
   if (sizes_known_ && parts <= kMostPartsWithArms) measure_arms(problem);
 }

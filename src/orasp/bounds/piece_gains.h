@@ -14,7 +14,9 @@
 namespace orasp {
 
 /// What the cuts of one piece can gain, for objectives that see the piece only
-/// (TransitionSystem::sees_piece_only), in disassembly.
+/// (TransitionSystem::sees_piece_only), where steps take connections away: in disassembly, and in
+/// assembly backwards. There the step that completes is the first one, whose state is known, and
+/// what it earns more is left to who uses this class.
 ///
 /// Under such an objective a plan earns
 ///
@@ -30,11 +32,12 @@ class PieceGains {
 
   explicit PieceGains(const TransitionSystem& system);
 
-  /// False where the objective sees more than the piece, in assembly, and beyond kMostParts.
+  /// False where the objective sees more than the piece, where steps make connections, and beyond
+  /// kMostParts.
   [[nodiscard]] bool known() const { return known_; }
   /// What handling `connection` earns whatever it separates.
   [[nodiscard]] double own(ConnectionIndex connection) const { return own_[connection]; }
-  /// The most that completing adds to the last step.
+  /// The most that completing adds to the last step; 0 where it is the first that completes.
   [[nodiscard]] double last_surplus() const { return last_surplus_; }
   /// Whether every size has a finite bound. It has none where a limit forbids every cut of a piece
   /// of that size; such problems are left to the searches.

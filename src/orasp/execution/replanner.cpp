@@ -329,10 +329,12 @@ Result Replanner::plan(const Budget& budget) {
   const auto from = held.graph ? held.index->find(open_.view()) : std::nullopt;
   const auto limit = held.problem.limits().max_subassemblies;
   const bool assembly = held.problem.direction() == Direction::Assembly;
-  if (!from || (assembly && limit && !kept.empty())) {
-    // In assembly what is left out may leave the product itself in too many subassemblies.
+  const bool ordered = !held.problem.precedence().empty();
+  if (!from || (assembly && (limit || ordered) && !kept.empty())) {
+    // In assembly what is left out may leave the product itself in too many subassemblies, and what
+    // had to be made before others need not be any more.
     const TransitionSystem left(held.problem, now);
-    if (!from || left.infeasibility()) {
+    if (!from || ordered || left.infeasibility()) {
       Result result = held.problem.uncertain() ? uncertain_value_iteration(left, {}, budget)
                                                : automatic(left, 1, budget);
       result.statistics.seconds = watch.seconds();

@@ -83,14 +83,20 @@ Remedy remedy_for(const Problem& problem, const Violation& violation, const Step
   };
   switch (violation.constraint) {
     case Constraint::Precedence:
-    case Constraint::PrecedenceAny: {
-      const bool any = violation.constraint == Constraint::PrecedenceAny;
-      remedy.first = violation.blocking_connections;
-      const std::string names = quoted_list(ids(remedy.first, connection), any ? "or" : "and");
-      if (std::ranges::find(remedy.first, step.connection) != remedy.first.end()) {
+    case Constraint::PrecedenceAny:
+    case Constraint::PrecedenceMadeAny: {
+      const bool any = violation.constraint != Constraint::Precedence;
+      const std::string names =
+          quoted_list(ids(violation.blocking_connections, connection), any ? "or" : "and");
+      if (std::ranges::find(violation.blocking_connections, step.connection) !=
+          violation.blocking_connections.end()) {
+        remedy.first = violation.blocking_connections;
         remedy.message = "the entry makes it wait for itself; take that out";
+      } else if (violation.too_late) {
+        remedy.message = "it is too late: it had to be made before " + names;
       } else {
-        remedy.message = (assembly ? "make it before " : "remove first ") + names;
+        remedy.first = violation.blocking_connections;
+        remedy.message = (assembly ? "make first " : "remove first ") + names;
       }
       break;
     }

@@ -21,15 +21,27 @@ namespace {
 using detail::in_quotes;
 using detail::quoted_list;
 
-enum class Kind { After, AfterAny, Subassemblies, MovedParts, MovedMass, Blocked, Inaccessible };
+enum class Kind {
+  After,
+  AfterAny,
+  MadeAfterAny,
+  Subassemblies,
+  MovedParts,
+  MovedMass,
+  Blocked,
+  Inaccessible
+};
 
-/// The least that can be dropped: a limit, one id of an `after`, a whole `after_any` (of which
-/// fewer ids ask for more), one direction of an entry of `blocked`, one inaccessible connection.
+/// The least that can be dropped: a limit, one id of an `after` or `made_after`, a whole
+/// `after_any` or `made_after_any` (of which fewer ids ask for more), one direction of an entry of
+/// `blocked`, one inaccessible connection.
 struct Atom {
   Kind kind;
   std::size_t entry = 0;
   /// For After and Inaccessible the connection, for Blocked the direction.
   std::size_t member = 0;
+  /// Of precedence: the connection of the clause.
+  std::size_t connection = 0;
 
   [[nodiscard]] friend auto operator<=>(const Atom&, const Atom&) = default;
 };
@@ -41,8 +53,12 @@ using Units = std::vector<Unit>;
 std::vector<Atom> atoms_of(const Problem& problem, const ConnectionSet& kept) {
   std::vector<Atom> atoms;
   for (const PrecedenceClause& clause : problem.precedence()) {
-    for (const ConnectionIndex c : clause.after) atoms.push_back({Kind::After, clause.entry, c});
-    if (!clause.after_any.empty()) atoms.push_back({Kind::AfterAny, clause.entry, 0});
+    for (const ConnectionIndex c : clause.after)
+      atoms.push_back({Kind::After, clause.entry, c, clause.connection});
+    if (!clause.after_any.empty())
+      atoms.push_back({Kind::AfterAny, clause.entry, 0, clause.connection});
+    if (!clause.made_after_any.empty())
+      atoms.push_back({Kind::MadeAfterAny, clause.entry, 0, clause.connection});
   }
   const Limits& limits = problem.limits();
   if (limits.max_subassemblies) atoms.push_back({Kind::Subassemblies});
@@ -76,7 +92,7 @@ Units units_of(std::span<const Atom> atoms, Same&& same) {
 }
 
 bool is_precedence(Kind kind) {
-  return kind == Kind::After || kind == Kind::AfterAny;
+  return kind == Kind::After || kind == Kind::AfterAny || kind == Kind::MadeAfterAny;
 }
 
 bool same_group(const Atom& a, const Atom& b) {
@@ -101,13 +117,18 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
     switch (atom.kind) {
       case Kind::After:
         spec.precedence.push_back(
-            {full.precedence[atom.entry].connection,
-             {problem.connection_id(static_cast<ConnectionIndex>(atom.member))},
-             {}});
+            {.connection = problem.connection_id(static_cast<ConnectionIndex>(atom.connection)),
+             .after = {problem.connection_id(static_cast<ConnectionIndex>(atom.member))}});
         break;
       case Kind::AfterAny: {
         const Precedence& entry = full.precedence[atom.entry];
-        spec.precedence.push_back({entry.connection, {}, entry.after_any});
+        spec.precedence.push_back({.connection = entry.connection, .after_any = entry.after_any});
+        break;
+      }
+      case Kind::MadeAfterAny: {
+        const Precedence& entry = full.precedence[atom.entry];
+        spec.precedence.push_back(
+            {.connection = entry.connection, .made_after_any = entry.made_after_any});
         break;
       }
       case Kind::Subassemblies:
@@ -127,20 +148,20 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
   return spec;
 }
 
-/// Whether a plan exists under these atoms, which are all of precedence. Each connection goes as
-/// soon as no atom holds it any more. O(connections + ids).
+/// Whether a plan exists under these atoms, which are all of precedence, none of MadeAfterAny. Each
+/// connection goes as soon as no atom holds it any more. O(connections + ids).
 bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) {
   const std::size_t connections = problem.num_connections();
   // How many atoms still hold each connection, and the atoms that wait for each connection to go.
   std::vector<std::size_t> waits(connections, 0);
   std::vector<std::vector<std::size_t>> waiting(connections);
   for (std::size_t i = 0; i < atoms.size(); ++i) {
-    const PrecedenceClause& clause = problem.precedence()[atoms[i].entry];
-    ++waits[clause.connection];
+    ++waits[atoms[i].connection];
     if (atoms[i].kind == Kind::After) {
       waiting[atoms[i].member].push_back(i);
     } else {
-      for (const ConnectionIndex c : clause.after_any) waiting[c].push_back(i);
+      for (const std::string& id : problem.spec().precedence[atoms[i].entry].after_any)
+        waiting[problem.find_connection(id, "")].push_back(i);
     }
   }
   std::vector<bool> met(atoms.size(), false);
@@ -152,8 +173,7 @@ bool precedence_can_be_met(const Problem& problem, std::span<const Atom> atoms) 
     for (const std::size_t i : waiting[gone[next]]) {
       if (met[i]) continue;
       met[i] = true;
-      const ConnectionIndex c = problem.precedence()[atoms[i].entry].connection;
-      if (--waits[c] == 0) gone.push_back(c);
+      if (--waits[atoms[i].connection] == 0) gone.push_back(atoms[i].connection);
     }
   }
   return gone.size() == connections;
@@ -196,7 +216,9 @@ class ConflictFinder {
       budget_.report({.phase = "test", .done = explanation_.tests});
       std::vector<Atom> atoms;
       for (const Unit& unit : units) atoms.insert(atoms.end(), unit.begin(), unit.end());
-      const auto is_of_precedence = [](const Atom& atom) { return is_precedence(atom.kind); };
+      const auto is_of_precedence = [](const Atom& atom) {
+        return is_precedence(atom.kind) && atom.kind != Kind::MadeAfterAny;
+      };
       // Where no constraint judges the pieces, the order can be found without a search.
       if (system_.whole() && std::ranges::all_of(atoms, is_of_precedence))
         return !precedence_can_be_met(problem_, atoms);
@@ -286,6 +308,48 @@ std::vector<Atom> atoms_in(const Units& units) {
   return atoms;
 }
 
+/// The atoms of one entry of precedence, in the direction of the problem.
+ConflictItem described_entry(const Problem& problem, const Unit& unit) {
+  const Precedence& entry = problem.spec().precedence[unit.front().entry];
+  const bool assembly = problem.direction() == Direction::Assembly;
+  const std::string id = in_quotes(entry.connection);
+  std::vector<std::string> after;
+  std::vector<std::string> made_after;
+  Constraint constraint = Constraint::Precedence;
+  std::string text;
+  const auto add = [&](const std::string& rule) { text += (text.empty() ? "" : ", and ") + rule; };
+  for (const Atom& atom : unit) {
+    if (atom.kind != Kind::After) continue;
+    const auto named = [&](std::size_t c) {
+      return problem.connection_id(static_cast<ConnectionIndex>(c));
+    };
+    const bool own = named(atom.connection) == entry.connection;
+    (own ? after : made_after).push_back(named(own ? atom.member : atom.connection));
+  }
+  if (!after.empty())
+    add(id + (assembly ? " must be made before " : " may be removed only after ") +
+        quoted_list(after, "and"));
+  if (!made_after.empty())
+    add(assembly ? id + " may be made only after " + quoted_list(made_after, "and")
+                 : quoted_list(made_after, "and") + " may be removed only after " + id);
+  for (const Atom& atom : unit) {
+    if (atom.kind == Kind::AfterAny) {
+      if (text.empty()) constraint = Constraint::PrecedenceAny;
+      add(id +
+          (assembly ? " must be made before at least one of "
+                    : " may be removed only after at least one of ") +
+          quoted_list(entry.after_any, "and"));
+    }
+    if (atom.kind == Kind::MadeAfterAny) {
+      if (text.empty()) constraint = Constraint::PrecedenceMadeAny;
+      const std::string any = "at least one of " + quoted_list(entry.made_after_any, "and");
+      add(assembly ? id + " may be made only after " + any
+                   : "as long as " + id + " is there, " + any + " must be");
+    }
+  }
+  return {constraint, "precedence[" + std::to_string(unit.front().entry) + "]", text};
+}
+
 ConflictItem described(const Problem& problem, const Unit& unit,
                        const std::optional<Violation>& at_once) {
   const ProblemSpec& spec = problem.spec();
@@ -293,25 +357,8 @@ ConflictItem described(const Problem& problem, const Unit& unit,
   const Atom& first = unit.front();
   switch (first.kind) {
     case Kind::After:
-    case Kind::AfterAny: {
-      const Precedence& entry = spec.precedence[first.entry];
-      std::vector<std::string> after;
-      for (const Atom& atom : unit) {
-        if (atom.kind == Kind::After)
-          after.push_back(problem.connection_id(static_cast<ConnectionIndex>(atom.member)));
-      }
-      std::string rule;
-      const std::string_view relation = assembly ? "before" : "after";
-      if (!after.empty()) rule = std::string(relation) + " " + quoted_list(after, "and");
-      if (unit.back().kind == Kind::AfterAny) {
-        if (!rule.empty()) rule += ", and ";
-        rule += std::string(relation) + " at least one of " + quoted_list(entry.after_any, "and");
-      }
-      return {after.empty() ? Constraint::PrecedenceAny : Constraint::Precedence,
-              "precedence[" + std::to_string(first.entry) + "]",
-              in_quotes(entry.connection) +
-                  (assembly ? " must be made " : " may be removed only ") + rule};
-    }
+    case Kind::AfterAny:
+    case Kind::MadeAfterAny: return described_entry(problem, unit);
     case Kind::Subassemblies: {
       const std::size_t most = *spec.limits.max_subassemblies;
       if (at_once && at_once->constraint == Constraint::MaxSubassemblies)

@@ -50,10 +50,13 @@ class Numbers {
   std::vector<std::optional<std::size_t>> number_;
 };
 
-/// The clauses of precedence about this step's connection that are met.
+/// The clauses of precedence that bind this step and are met. What is removed after a connection is
+/// made before it: in disassembly the clause binds the one that goes later, in assembly the one
+/// that is made later.
 void add_precedence(const Problem& problem, const Numbers& numbers, ConnectionIndex c,
                     std::vector<Ground>& found) {
   const auto own = numbers.of(c);
+  const bool assembly = problem.direction() == Direction::Assembly;
   const auto comes_off_before = [&](ConnectionIndex other) {
     const auto number = numbers.of(other);
     // In an assembly that is cut short, what is not made is off.
@@ -61,17 +64,39 @@ void add_precedence(const Problem& problem, const Numbers& numbers, ConnectionIn
     return own && *number < *own;
   };
   for (const PrecedenceClause& clause : problem.precedence()) {
-    if (clause.connection != c) continue;
     const std::string where = "precedence[" + std::to_string(clause.entry) + "]";
-    std::vector<std::string> off;
-    std::vector<std::string> on;
-    if (!clause.after.empty() && std::ranges::all_of(clause.after, comes_off_before)) {
+    if (assembly && clause.connection != c && numbers.of(clause.connection) && own &&
+        *own < *numbers.of(clause.connection) &&
+        std::ranges::find(clause.after, c) != clause.after.end()) {
+      found.push_back({Constraint::Precedence, where,
+                       "goes before " + numbers.disassembly(clause.connection),
+                       "is made only after " + numbers.assembly(clause.connection)});
+    }
+    if (clause.connection != c) continue;
+    if (!assembly && !clause.after.empty() && std::ranges::all_of(clause.after, comes_off_before)) {
+      std::vector<std::string> off;
+      std::vector<std::string> on;
       for (const ConnectionIndex other : clause.after) {
         off.push_back(numbers.disassembly(other));
         on.push_back(numbers.assembly(other));
       }
       found.push_back({Constraint::Precedence, where, "goes only after " + joined(off),
                        "is made before " + joined(on)});
+    }
+    const auto comes_off_later = [&](ConnectionIndex other) {
+      const auto number = numbers.of(other);
+      return number ? own && *number > *own : !assembly;
+    };
+    const auto held = std::ranges::find_if(clause.made_after_any, comes_off_later);
+    if (held != clause.made_after_any.end()) {
+      std::vector<std::string> any;
+      for (const ConnectionIndex other : clause.made_after_any)
+        any.push_back(in_quotes(problem.connection_id(other)));
+      found.push_back(
+          {Constraint::PrecedenceMadeAny, where,
+           "goes while at least one of " + joined(any) + " is there, here " +
+               numbers.disassembly(*held),
+           "is made after at least one of " + joined(any) + ", here " + numbers.assembly(*held)});
     }
     const auto one = std::ranges::find_if(clause.after_any, comes_off_before);
     if (one != clause.after_any.end()) {

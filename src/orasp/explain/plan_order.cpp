@@ -106,6 +106,11 @@ void add_precedence(const Problem& problem, const std::vector<std::size_t>& step
   for (const PrecedenceClause& clause : problem.precedence()) {
     const std::size_t step = step_of[clause.connection];
     for (const ConnectionIndex c : clause.after) add(before, step_of[c], step);
+    if (!clause.made_after_any.empty()) {
+      std::size_t latest = 0;
+      for (const ConnectionIndex c : clause.made_after_any) latest = std::max(latest, step_of[c]);
+      add(before, step, latest);
+    }
     if (clause.after_any.empty()) continue;
     std::size_t earliest = kNone;
     for (const ConnectionIndex c : clause.after_any) earliest = std::min(earliest, step_of[c]);

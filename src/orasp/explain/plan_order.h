@@ -18,7 +18,8 @@ using OrderedPair = std::pair<std::size_t, std::size_t>;
 /// made. Rewards may differ between these orders.
 ///
 /// Idea.       In disassembly order (assembly: backwards). Precedence: a pair for each connection
-///             of an `after`, and for the earliest one of an `after_any`. If a limit or blocking
+///             of an `after`, and for the earliest one of an `after_any`, and goes before the last
+///             one of a `made_after_any`. If a limit or blocking
 ///             judges cuts, also the plan's cut tree: each separating step t (a separator) cuts a
 ///             piece S into A and B. (i) Every other connection between A and B comes before t.
 ///             (ii) The separator that created S comes before t. If the tree could give more

@@ -22,21 +22,24 @@ double graph_bytes(const TransitionSystem& system, double states, double actions
   return states * (key + 8 + 8) + actions * 7 + widest_layer_actions * (key + 11);
 }
 
-/// False where a state of a disassembly can be seen not to occur: a connection is gone before one
-/// that it comes after, or there are too many subassemblies. In assembly such states are reached
-/// (and are dead ends).
+/// False where a state can be seen not to occur: a connection is gone before one that it comes
+/// after, or there are too many subassemblies. (In assembly these are reached, and are dead ends.)
 bool breaks_no_rule(const TransitionSystem& system, SetView open) {
   const Problem& problem = system.problem();
-  if (problem.direction() == Direction::Assembly) return true;
   const ConnectionSet there = system.present(open);
   const auto present = [&](ConnectionIndex c) { return there.contains(c); };
   for (const PrecedenceClause& clause : problem.precedence()) {
-    if (present(clause.connection)) continue;
+    if (present(clause.connection)) {
+      if (!clause.made_after_any.empty() && std::ranges::none_of(clause.made_after_any, present))
+        return false;
+      continue;
+    }
+    if (!system.takes_apart() && system.kept().contains(clause.connection)) continue;  // given up
     if (std::ranges::any_of(clause.after, present)) return false;
     if (!clause.after_any.empty() && std::ranges::all_of(clause.after_any, present)) return false;
   }
   const auto most = problem.limits().max_subassemblies;
-  return !most || system.subassemblies(there.view()) <= *most;
+  return !most || !system.takes_apart() || system.subassemblies(there.view()) <= *most;
 }
 
 /// Whether some legal action leads into a state, as far as can be seen from the states before it.

@@ -60,6 +60,50 @@ fs::path temporary_name(const fs::path& directory, unsigned attempt) {
   return directory / fmt::format(".orasp-{}-{}.tmp", ::getpid(), attempt);
 }
 
+/// Writes everything to disk, with the permissions of the file that it replaces, if any; 0 or the
+/// error.
+int fill(const Descriptor& descriptor, std::string_view bytes, const struct ::stat* replaced) {
+  if (const int error = write_all(descriptor, bytes); error != 0) return error;
+  if (replaced != nullptr && ::fchmod(descriptor.number(), replaced->st_mode & 07777U) != 0)
+    return errno;
+  return ::fsync(descriptor.number()) != 0 ? errno : 0;
+}
+
+[[noreturn]] void give_up(const fs::path& temporary, const fs::path& file, int reason) {
+  ::unlink(temporary.c_str());
+  fail(file, reason);
+}
+
+/// Writes a file without a name and names it when it is whole, so that nothing stays behind if the
+/// process is killed meanwhile. False, and nothing done, where the file system or the machine knows
+/// no such files.
+bool written_unnamed(const fs::path& directory, const fs::path& target, std::string_view bytes,
+                     const struct ::stat* replaced, const fs::path& file) {
+  const Descriptor descriptor(::open(directory.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666));
+  if (!descriptor.is_open()) return false;
+  const std::string unnamed = fmt::format("/proc/self/fd/{}", descriptor.number());
+  if (::access(unnamed.c_str(), F_OK) != 0) return false;
+  if (const int reason = fill(descriptor, bytes, replaced); reason != 0) fail(file, reason);
+  const auto named = [&](const fs::path& name) {
+    return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  if (replaced == nullptr) {
+    if (named(target)) return true;
+    if (errno != EEXIST) return false;
+  }
+  // A link never replaces a file: it gets a name beside it and takes its place at once.
+  for (unsigned attempt = 0; attempt <= 1000; ++attempt) {
+    const fs::path temporary = temporary_name(directory, attempt);
+    if (!named(temporary)) {
+      if (errno == EEXIST) continue;
+      return false;
+    }
+    if (::rename(temporary.c_str(), target.c_str()) != 0) give_up(temporary, file, errno);
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void write_file(const fs::path& file, std::string_view bytes) {
@@ -77,6 +121,7 @@ void write_file(const fs::path& file, std::string_view bytes) {
   if (!target.has_filename()) fail(file, file.empty() ? ENOENT : EISDIR);
 
   const fs::path directory = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (written_unnamed(directory, target, bytes, exists ? &status : nullptr, file)) return;
   for (unsigned attempt = 0;; ++attempt) {
     const fs::path temporary = temporary_name(directory, attempt);
     int reason = 0;
@@ -87,15 +132,11 @@ void write_file(const fs::path& file, std::string_view bytes) {
         if (errno == EEXIST && attempt < 1000) continue;
         fail(file, errno);
       }
-      reason = write_all(descriptor, bytes);
-      if (reason == 0 && exists && ::fchmod(descriptor.number(), status.st_mode & 07777U) != 0)
-        reason = errno;
-      if (reason == 0 && ::fsync(descriptor.number()) != 0) reason = errno;
+      reason = fill(descriptor, bytes, exists ? &status : nullptr);
     }
     if (reason == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) reason = errno;
     if (reason == 0) return;
-    ::unlink(temporary.c_str());
-    fail(file, reason);
+    give_up(temporary, file, reason);
   }
 }
 

@@ -107,18 +107,26 @@ Connection read_connection(JsonValue value, const Place& place) {
 }
 
 Precedence read_precedence(JsonValue value, const Place& place) {
-  constexpr auto kKeys = std::to_array<std::string_view>({"connection", "after", "after_any"});
+  constexpr auto kKeys = std::to_array<std::string_view>(
+      {"connection", "after", "after_any", "made_after", "made_after_any"});
   const Members members(value, place, kKeys);
   Precedence rule;
   rule.connection = members.read_required("connection", read_id);
   members.read("after", rule.after, read_ids);
-  members.read("after_any", rule.after_any, read_ids);
-  const auto after_any = members.find("after_any");
-  if (after_any && rule.after_any.empty()) {
-    fail(Place(place, "after_any"), "an empty list could never be met; leave the key out");
+  members.read("made_after", rule.made_after, read_ids);
+  bool stated = members.find("after") || members.find("made_after");
+  const auto read_any = [&](const char* key, std::vector<std::string>& ids) {
+    members.read(key, ids, read_ids);
+    if (!members.find(key)) return;
+    if (ids.empty()) fail(Place(place, key), "an empty list could never be met; leave the key out");
+    stated = true;
+  };
+  read_any("after_any", rule.after_any);
+  read_any("made_after_any", rule.made_after_any);
+  if (!stated) {
+    fail(place,
+         R"("after", "after_any", "made_after" or "made_after_any" is missing, one is needed)");
   }
-  if (!after_any && !members.find("after"))
-    fail(place, R"("after" or "after_any" is missing, one of them is needed)");
   return rule;
 }
 
@@ -237,8 +245,12 @@ ordered_json connection_json(const Connection& connection) {
 
 ordered_json precedence_json(const Precedence& rule) {
   ordered_json json = {{"connection", rule.connection}};
-  if (!rule.after.empty() || rule.after_any.empty()) json["after"] = rule.after;
+  const bool nothing_else =
+      rule.after_any.empty() && rule.made_after.empty() && rule.made_after_any.empty();
+  if (!rule.after.empty() || nothing_else) json["after"] = rule.after;
   if (!rule.after_any.empty()) json["after_any"] = rule.after_any;
+  if (!rule.made_after.empty()) json["made_after"] = rule.made_after;
+  if (!rule.made_after_any.empty()) json["made_after_any"] = rule.made_after_any;
   return json;
 }
 
@@ -293,10 +305,13 @@ std::string lines(const Items& items, std::string_view indent, ToJson&& to_json)
 ordered_json canonical_precedence(const Problem& problem) {
   std::vector<std::vector<ConnectionIndex>> after(problem.num_connections());
   std::vector<std::vector<std::vector<ConnectionIndex>>> after_any(problem.num_connections());
+  std::vector<std::vector<std::vector<ConnectionIndex>>> made_after_any(problem.num_connections());
   for (const PrecedenceClause& clause : problem.precedence()) {
     auto& all = after[clause.connection];
     all.insert(all.end(), clause.after.begin(), clause.after.end());
     if (!clause.after_any.empty()) after_any[clause.connection].push_back(clause.after_any);
+    if (!clause.made_after_any.empty())
+      made_after_any[clause.connection].push_back(clause.made_after_any);
   }
   const auto merge = [](auto& list) {
     std::ranges::sort(list);
@@ -306,7 +321,11 @@ ordered_json canonical_precedence(const Problem& problem) {
   for (std::size_t c = 0; c < problem.num_connections(); ++c) {
     merge(after[c]);
     merge(after_any[c]);
-    if (!after[c].empty() || !after_any[c].empty()) json.push_back({c, after[c], after_any[c]});
+    merge(made_after_any[c]);
+    if (after[c].empty() && after_any[c].empty() && made_after_any[c].empty()) continue;
+    ordered_json entry = {c, after[c], after_any[c]};
+    if (!made_after_any[c].empty()) entry.push_back(made_after_any[c]);
+    json.push_back(std::move(entry));
   }
   return json;
 }

@@ -293,6 +293,7 @@ class ProgramBuilder {
     std::size_t number = 0;
     for (const PrecedenceClause& clause : problem_.precedence()) {
       const ConnectionIndex c = clause.connection;
+      add_need_of_one(clause, number);
       if (cut_[c].empty()) continue;  // it is not removed
       for (const ConnectionIndex other : clause.after) {
         ++number;
@@ -313,6 +314,25 @@ class ProgramBuilder {
         for (const ConnectionIndex other : clause.after_any) sum.add(removed_by(other, t - 1), -1);
         model_.add_row(mip_name("after_any", number, t), sum, MipSense::AtMost, 0);
       }
+    }
+  }
+
+  /// As long as the connection is there, one of made_after_any is.
+  void add_need_of_one(const PrecedenceClause& clause, std::size_t& number) {
+    const ConnectionIndex c = clause.connection;
+    if (clause.made_after_any.empty() || !is_present(c)) return;
+    if (assembly_ && cut_[c].empty()) return;  // it is made already
+    std::vector<ConnectionIndex> others;
+    for (const ConnectionIndex other : clause.made_after_any) {
+      if (other != c && is_present(other)) others.push_back(other);
+    }
+    ++number;
+    for (std::size_t t = 0; t <= n_; ++t) {
+      MipSum sum;
+      for (const ConnectionIndex other : others) sum.add(removed_by(other, t), 1);
+      sum.add(removed_by(c, t), -1);
+      model_.add_row(mip_name("made_after_any", number, t), sum, MipSense::AtMost,
+                     static_cast<double>(others.size()) - 1);
     }
   }
 

@@ -12,41 +12,69 @@ namespace orasp {
 
 using detail::kUnlimited;
 
-// Precedence holds `connection` until `other` is gone, which stays.
+// Precedence holds `connection` until `other` is handled, which never is.
 Violation TransitionSystem::waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
-                                          std::size_t entry) const {
+                                          std::size_t entry, bool to_be_made) const {
   const std::string id = detail::in_quotes(problem_.connection_id(connection));
   const std::string other_id = detail::in_quotes(problem_.connection_id(other));
-  return {Constraint::Precedence,
+  std::string message;
+  if (to_be_made) {
+    message = id + (rules_->assembly
+                        ? " may be made only after " + other_id + ", which is never made"
+                        : " would be left without any of the connections of which it needs one, " +
+                              other_id + " among them");
+  } else {
+    message = rules_->assembly ? id + " must be made before " + other_id + ", which is made already"
+                               : id + " waits for " + other_id + ", which is inaccessible";
+  }
+  return {to_be_made ? Constraint::PrecedenceMadeAny : Constraint::Precedence,
           "precedence[" + std::to_string(entry) + "]",
-          rules_->assembly ? id + " must be made before " + other_id + ", which is made already"
-                           : id + " waits for " + other_id + ", which is inaccessible",
+          std::move(message),
           {other}};
 }
 
 namespace {
 
-/// Precedence alone, in disassembly order: whatever may go is removed until nothing more may. The
-/// clauses are monotone, so if connections are left, each of them waits for another that stays, and
-/// following these ends in a cycle, or at one that is inaccessible.
+/// Precedence alone, gone through from one end: whatever may go is removed until nothing more may,
+/// or whatever may be made is made. The clauses are monotone, so if connections are left, each of
+/// them waits for another that is left, and following these ends in a cycle, or at one that is
+/// never handled.
 class Peeling {
  public:
-  /// `first` is there at the start of the disassembly, `last` at its end.
-  Peeling(const Problem& problem, const ConnectionSet& first, const ConnectionSet& last)
-      : last_(last),
+  enum class Kind { Removing, Making };
+
+  /// Removing: `first` is there at the start of the disassembly, `last` at its end. Making: `last`
+  /// is there at the start, `first` at the end.
+  Peeling(Kind kind, const Problem& problem, const ConnectionSet& first, const ConnectionSet& last)
+      : kind_(kind),
+        first_(first),
+        last_(last),
         stays_(problem.num_connections()),
         clauses_(problem.num_connections()),
         waiting_(problem.num_connections()) {
-    for (ConnectionIndex c = 0; c < stays_.size(); ++c) stays_[c] = first.contains(c);
+    for (ConnectionIndex c = 0; c < stays_.size(); ++c)
+      stays_[c] = first.contains(c) && (kind == Kind::Removing || !last.contains(c));
+    const auto waits = [this](ConnectionIndex c, ConnectionIndex other) {
+      waiting_[other].push_back(c);
+    };
     for (const PrecedenceClause& clause : problem.precedence()) {
-      clauses_[clause.connection].push_back(&clause);
-      for (const ConnectionIndex c : clause.after) waiting_[c].push_back(clause.connection);
-      for (const ConnectionIndex c : clause.after_any) waiting_[c].push_back(clause.connection);
+      const ConnectionIndex c = clause.connection;
+      clauses_[c].push_back(&clause);
+      if (kind == Kind::Removing) {
+        for (const ConnectionIndex other : clause.after) waits(c, other);
+        for (const ConnectionIndex other : clause.after_any) waits(c, other);
+      } else {
+        for (const ConnectionIndex other : clause.after) {
+          if (other != c) clauses_[other].push_back(&clause);
+          waits(other, c);
+        }
+        for (const ConnectionIndex other : clause.made_after_any) waits(c, other);
+      }
     }
   }
 
-  /// Removes what may go; returns how many. A clause is looked at again only when a connection that
-  /// it names goes.
+  /// Handles what may be handled; returns how many. A clause is looked at again only when a
+  /// connection that it names is handled.
   std::size_t remove() {
     std::vector<ConnectionIndex> check(stays_.size());
     std::iota(check.begin(), check.end(), ConnectionIndex{0});
@@ -75,53 +103,79 @@ class Peeling {
     std::vector<std::size_t> met(stays_.size(), kUnlimited);
     Chain chain;
     ConnectionIndex c = 0;
-    while (!stays_[c] || last_.contains(c)) ++c;
-    while (met[c] == kUnlimited && !last_.contains(c)) {
+    while (!is_left(c)) ++c;
+    while (met[c] == kUnlimited && is_left(c)) {
       met[c] = chain.links.size();
       const auto next = waits_for(c);
       chain.links.emplace_back(c, next->second);
       c = next->first;
     }
     chain.ends_at = c;
-    chain.is_cycle = !last_.contains(c);
+    chain.is_cycle = is_left(c);
     if (chain.is_cycle) chain.cycle_from = met[c];
     return chain;
   }
 
  private:
+  [[nodiscard]] bool is_left(ConnectionIndex c) const { return stays_[c] && !last_.contains(c); }
   /// A connection that `c` waits for and the entry that says so.
   [[nodiscard]] std::optional<Link> waits_for(ConnectionIndex c) const {
     for (const PrecedenceClause* clause : clauses_[c]) {
-      for (const ConnectionIndex other : clause->after) {
-        if (stays_[other]) return Link{other, clause->entry};
-      }
-      if (!clause->after_any.empty() &&
-          std::ranges::all_of(clause->after_any,
-                              [&](ConnectionIndex other) { return stays_[other]; })) {
-        return Link{clause->after_any.front(), clause->entry};
-      }
+      const auto found =
+          kind_ == Kind::Removing ? removal_waits_for(*clause) : making_waits_for(c, *clause);
+      if (found) return Link{*found, clause->entry};
     }
     return std::nullopt;
   }
+  [[nodiscard]] std::optional<ConnectionIndex> removal_waits_for(
+      const PrecedenceClause& clause) const {
+    const auto stays = [this](ConnectionIndex other) { return bool{stays_[other]}; };
+    const auto found = std::ranges::find_if(clause.after, stays);
+    if (found != clause.after.end()) return *found;
+    if (clause.after_any.empty() || !std::ranges::all_of(clause.after_any, stays))
+      return std::nullopt;
+    return clause.after_any.front();
+  }
+  [[nodiscard]] std::optional<ConnectionIndex> making_waits_for(
+      ConnectionIndex c, const PrecedenceClause& clause) const {
+    if (std::ranges::find(clause.after, c) != clause.after.end() && stays_[clause.connection])
+      return clause.connection;
+    if (clause.connection != c || clause.made_after_any.empty()) return std::nullopt;
+    const auto made = [&](ConnectionIndex other) {
+      return other != c && !stays_[other] && (first_.contains(other) || last_.contains(other));
+    };
+    if (std::ranges::any_of(clause.made_after_any, made)) return std::nullopt;
+    const auto to_come = std::ranges::find_if(
+        clause.made_after_any, [this](ConnectionIndex other) { return is_left(other); });
+    return to_come != clause.made_after_any.end() ? *to_come : clause.made_after_any.front();
+  }
 
+  Kind kind_;
+  const ConnectionSet& first_;
   const ConnectionSet& last_;
   std::vector<bool> stays_;
   std::vector<std::vector<const PrecedenceClause*>> clauses_;  ///< by connection
   std::vector<std::vector<ConnectionIndex>> waiting_;          ///< by connection: who names it
 };
 
-Violation cycle_of(const Problem& problem, const Peeling::Chain& chain) {
+/// The cycle in words: of removals, or, where an assembly is planned, of what is made.
+Violation cycle_of(const Problem& problem, const Peeling::Chain& chain, Peeling::Kind kind) {
   Violation violation;
-  violation.constraint = Constraint::Precedence;
+  violation.constraint =
+      kind == Peeling::Kind::Making ? Constraint::PrecedenceMadeAny : Constraint::Precedence;
+  const bool assembly = problem.direction() == Direction::Assembly;
   std::string text;
   for (std::size_t i = chain.cycle_from; i < chain.links.size(); ++i) {
     const auto& [connection, entry] = chain.links[i];
     const ConnectionIndex next =
         i + 1 < chain.links.size() ? chain.links[i + 1].first : chain.ends_at;
     violation.blocking_connections.push_back(connection);
-    text += (text.empty() ? "" : ", ") + detail::in_quotes(problem.connection_id(connection)) +
-            " after " + detail::in_quotes(problem.connection_id(next)) + " (precedence[" +
-            std::to_string(entry) + "])";
+    // What is removed after another is made before it.
+    const bool turned = (kind == Peeling::Kind::Making) != assembly;
+    const std::string first = detail::in_quotes(problem.connection_id(turned ? next : connection));
+    const std::string other = detail::in_quotes(problem.connection_id(turned ? connection : next));
+    text += (text.empty() ? "" : ", ") + first + (assembly ? " made after " : " after ") + other +
+            " (precedence[" + std::to_string(entry) + "])";
   }
   violation.where = "precedence[" + std::to_string(chain.links[chain.cycle_from].second) + "]";
   violation.message = "precedence is a cycle: " + text;
@@ -136,8 +190,8 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
   // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and
   // what it ends with.
   const ConnectionSet none(num_connections());
-  const ConnectionSet first = present(rules.assembly ? none.view() : start().view());
-  const ConnectionSet last = present(rules.assembly ? start().view() : none.view());
+  const ConnectionSet first = present(rules.making ? none.view() : start().view());
+  const ConnectionSet last = present(rules.making ? start().view() : none.view());
   const std::size_t start_pieces = subassemblies(first.view());
   if (num_steps() > 0 && start_pieces > rules.max_subassemblies) {
     return Violation{Constraint::MaxSubassemblies,
@@ -147,11 +201,27 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
                          std::to_string(rules.max_subassemblies) + " are allowed",
                      {}};
   }
-  Peeling peeling(problem_, first, last);
-  if (peeling.remove() == num_steps()) return std::nullopt;
-  const Peeling::Chain chain = peeling.chain();
-  if (chain.is_cycle) return cycle_of(problem_, chain);
-  return waits_in_vain(chain.links.back().first, chain.ends_at, chain.links.back().second);
+  const auto reason = [&](Peeling::Kind kind) -> std::optional<Violation> {
+    Peeling peeling(kind, problem_, first, last);
+    if (peeling.remove() == num_steps()) return std::nullopt;
+    const Peeling::Chain chain = peeling.chain();
+    if (chain.is_cycle) return cycle_of(problem_, chain, kind);
+    return waits_in_vain(chain.links.back().first, chain.ends_at, chain.links.back().second,
+                         kind == Peeling::Kind::Making);
+  };
+  if (auto found = reason(Peeling::Kind::Removing)) return found;
+  if (rules.made_any.empty() || num_steps() == 0) return std::nullopt;
+  if (auto found = reason(Peeling::Kind::Making)) return found;
+  if (rules.assembly) return std::nullopt;
+  // What stays in a disassembly goes on to need one of its list.
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    const bool stays = last.contains(clause.connection) && !clause.made_after_any.empty();
+    if (stays && std::ranges::none_of(clause.made_after_any, [&](ConnectionIndex other) {
+          return other != clause.connection && last.contains(other);
+        }))
+      return waits_in_vain(clause.connection, clause.made_after_any.front(), clause.entry, true);
+  }
+  return std::nullopt;
 }
 
 }  // namespace orasp

@@ -79,7 +79,10 @@ RewardRange TransitionSystem::reward_range(ConnectionIndex connection, std::size
   const Rules& rules = *rules_;
   // Before a step in disassembly at most what is open or inaccessible is there, in assembly all but
   // the connection itself.
-  const std::size_t most_before = rules.assembly ? num_connections() - 1 : open + rules.num_kept;
+  const std::size_t most_before = rules.making ? num_connections() - 1
+                                  : rules.assembly
+                                      ? open + rules.num_kept - std::min<std::size_t>(1, open)
+                                      : open + rules.num_kept;
   const RangeQuestion question{.connection = connection,
                                .duration = problem_.connections()[connection].duration,
                                .most_before = static_cast<double>(most_before),

@@ -22,7 +22,7 @@ std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t
            " subassemblies; limits.max_subassemblies allows at most " +
            std::to_string(limits.max_subassemblies.value_or(0));
   };
-  if (fault.step == 0)
+  if (fault.step == 0 && fault.constraint == Constraint::MaxSubassemblies)
     return (assembly ? "the finished product is " : "the product at the start is ") +
            subassemblies();
   const std::string step = "step " + std::to_string(fault.step);
@@ -31,18 +31,27 @@ std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t
            ", counted from 0; the problem has " + std::to_string(problem.num_connections());
   }
   const std::string id = in_quotes(problem.connection_id(fault.connection));
+  const std::string clause = "precedence[" + std::to_string(fault.entry) + "]";
+  if (fault.step == 0) return id + " can no longer be handled as " + clause + " asks";
   if (fault.step > steps) return "the plan ends and " + id + " is missing";
   const std::string does = step + (assembly ? " makes " : " removes ") + id;
-  const std::string clause = "precedence[" + std::to_string(fault.entry) + "]";
   const std::string other = in_quotes(problem.connection_id(fault.other));
   const std::string cut = step + ", which " + (assembly ? "makes " : "removes ") + id + ", ";
   switch (fault.constraint) {
     case Constraint::Precedence:
       if (fault.other == fault.connection)
         return does + ", which by " + clause + " waits for itself";
-      return does + (assembly ? " after " : " before ") + other + ", against " + clause;
+      return does + " before " + other + ", against " + clause;
     case Constraint::PrecedenceAny:
-      return does + " while all of after_any are there, against " + clause;
+      return does +
+             (assembly ? ", after which " + other + " could no longer be made, against "
+                       : " while all of after_any are there, against ") +
+             clause;
+    case Constraint::PrecedenceMadeAny:
+      return does +
+             (assembly ? " while none of made_after_any is there, against "
+                       : ", after which " + other + " would lack what it needs, against ") +
+             clause;
     case Constraint::MaxSubassemblies:
       return cut + (assembly ? "starts from " : "leaves ") + subassemblies();
     case Constraint::MaxMovedParts:

@@ -226,10 +226,15 @@ void Problem::index_precedence() {
       return found;
     };
     const ConnectionIndex connection = find_connection(rule.connection, place + ".connection");
-    precedence_.push_back({.entry = i,
-                           .connection = connection,
-                           .after = indices(rule.after, place + ".after"),
-                           .after_any = indices(rule.after_any, place + ".after_any")});
+    precedence_.push_back(
+        {.entry = i,
+         .connection = connection,
+         .after = indices(rule.after, place + ".after"),
+         .after_any = indices(rule.after_any, place + ".after_any"),
+         .made_after_any = indices(rule.made_after_any, place + ".made_after_any")});
+    for (const ConnectionIndex earlier : indices(rule.made_after, place + ".made_after"))
+      precedence_.push_back(
+          {.entry = i, .connection = earlier, .after = {connection}, .after_any = {}});
   }
 }
 
@@ -321,6 +326,12 @@ void Problem::check_fleet() const {
       fail(element("connections", c) + ".duration",
            "robots of a fleet work in steps, whose number and travel count; a duration would mean "
            "nothing, leave it out");
+  }
+  for (std::size_t i = 0; i < spec_.precedence.size(); ++i) {
+    if (!spec_.precedence[i].made_after_any.empty())
+      fail(element("precedence", i) + ".made_after_any",
+           "a fleet of robots takes a product apart, and its precedence is stated that way, with "
+           "after, after_any or made_after");
   }
   const Fleet& fleet = *spec_.fleet;
   if (fleet.robots < 1) fail("fleet.robots", "0 is not allowed; a fleet has at least 1 robot");

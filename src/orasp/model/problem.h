@@ -45,12 +45,17 @@ struct Connection {
   OnFailure on_failure{};  ///< of an attempt, where success is below 1
 };
 
-/// `connection` may be removed only after all of `after`, and at least one of `after_any` (if any
-/// are listed).
+/// What must come before what, stated by the way the product is taken apart, by the way it is put
+/// together, or both. `connection` may be removed only after all of `after`, and at least one of
+/// `after_any` (if any are listed). It may be made only after all of `made_after`, and at least one
+/// of `made_after_any`: so each of `made_after` is removed only after it, and as long as it is
+/// there at least one of `made_after_any` is.
 struct Precedence {
   std::string connection{};
   std::vector<std::string> after{};
   std::vector<std::string> after_any{};
+  std::vector<std::string> made_after{};
+  std::vector<std::string> made_after_any{};
 };
 
 /// While both are present, `part` cannot leave `by` along any of `directions`.
@@ -104,12 +109,14 @@ inline constexpr std::array<const char*, 6> kDirectionNames = {"+x", "-x", "+y",
 }
 
 /// One clause of precedence over indices: see Precedence. `entry` is its position in
-/// ProblemSpec::precedence.
+/// ProblemSpec::precedence. That "b" is made after "a" is the clause that "a" is removed after "b",
+/// so an entry with `made_after` becomes several clauses.
 struct PrecedenceClause {
   std::size_t entry{};
   ConnectionIndex connection{};
   std::vector<ConnectionIndex> after{};
   std::vector<ConnectionIndex> after_any{};
+  std::vector<ConnectionIndex> made_after_any{};
 };
 
 /// A blocker of a part: `by` stands in the way of `part` along `directions` (closed under
@@ -162,6 +169,7 @@ class Problem {
                                                 const std::string& place) const;
   [[nodiscard]] PartIndex find_part(const std::string& id, const std::string& place) const;
 
+  /// Ascending by entry.
   [[nodiscard]] const std::vector<PrecedenceClause>& precedence() const { return precedence_; }
   /// Blockers of each part, by ascending `by`; empty vectors where nothing blocks.
   [[nodiscard]] const std::vector<std::vector<Blocker>>& blockers() const { return blockers_; }

@@ -20,7 +20,7 @@ Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::R
     : problem(the_problem),
       rules(the_rules),
       present_words(the_rules.words),
-      connectivity(the_rules.graph, the_rules.needs_sides || the_rules.assembly),
+      connectivity(the_rules.graph, the_rules.needs_sides || the_rules.making),
       pieces{the_rules.totals, {}, {}},
       mark(the_problem.num_parts(), 0) {
   actions.resize(problem.num_connections());
@@ -33,10 +33,10 @@ Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::R
 }
 
 SetView Expander::Scratch::present(SetView open) {
-  if (!rules.assembly && rules.num_kept == 0) return open;
+  if (!rules.making && rules.num_kept == 0) return open;
   const SetView kept = rules.kept.view();
   for (std::size_t w = 0; w < rules.words; ++w) present_words[w] = open[w] | kept[w];
-  if (!rules.assembly) return present_words;
+  if (!rules.making) return present_words;
   for (std::uint64_t& word : present_words) word = ~word;
   const std::size_t tail = problem.num_connections() % 64;
   if (tail != 0) present_words.back() &= (std::uint64_t{1} << tail) - 1;
@@ -44,7 +44,7 @@ SetView Expander::Scratch::present(SetView open) {
   return present_words;
 }
 
-// In disassembly.
+// Where steps take connections away.
 std::span<const std::uint64_t> Expander::Scratch::present_of_all(
     std::span<const std::uint64_t> states) {
   if (rules.num_kept == 0) return states;
@@ -54,7 +54,8 @@ std::span<const std::uint64_t> Expander::Scratch::present_of_all(
   return present_batch;
 }
 
-// Disassembly, after connectivity.analyse(): the piece that holds c falls apart into A and B.
+// Where steps take connections away, after connectivity.analyse(): the piece that holds c falls
+// apart into A and B.
 [[gnu::always_inline]] inline StepFacts Expander::Scratch::removal_facts(ConnectionIndex c,
                                                                          std::size_t num_open) {
   StepFacts facts = counts(c, num_open);
@@ -77,7 +78,8 @@ std::span<const std::uint64_t> Expander::Scratch::present_of_all(
   return facts;
 }
 
-// Assembly, after connectivity.analyse(): c joins the pieces of its two parts, if they are two.
+// Where steps make connections, after connectivity.analyse(): c joins the pieces of its two parts,
+// if they are two.
 StepFacts Expander::Scratch::joining_facts(ConnectionIndex c, std::size_t num_open) {
   StepFacts facts = counts(c, num_open);
   const auto [first, second] = problem.ends(c);
@@ -195,14 +197,14 @@ template <class Reward>
 
 // After connectivity's analysis of this state.
 std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
-  if (size_costs != nullptr && !rules.assembly) {
+  if (size_costs != nullptr && !rules.making) {
     const SizeCosts& costs = *size_costs;
     return in_order(open, removals(open, [&costs](const StepFacts& facts) {
                       return costs.reward(facts.a_parts, facts.b_parts, facts.separates,
                                           facts.completes);
                     }));
   }
-  if (rules.one_counting_term && !rules.assembly) {
+  if (rules.one_counting_term && !rules.making) {
     const ObjectiveTerm& term = *terms.front().term;
     return in_order(open, removals(open, [&](const StepFacts& facts) {
                       return term.reward(facts, {}, pieces);
@@ -212,8 +214,7 @@ std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
   const std::size_t num_open = count(open);
   for_each_connection(open, [&](ConnectionIndex c) {
     if (!rules.precedence_met(open, c)) return;
-    const StepFacts facts =
-        rules.assembly ? joining_facts(c, num_open) : removal_facts(c, num_open);
+    const StepFacts facts = rules.making ? joining_facts(c, num_open) : removal_facts(c, num_open);
     if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
     *next++ = {c, reward(facts)};
   });
@@ -244,7 +245,7 @@ Expander::Expander(Expander&&) noexcept = default;
 
 std::span<const Action> Expander::legal_actions(SetView open) {
   Scratch& s = *scratch_;
-  s.connectivity.analyse(s.present(open), s.rules.assembly);
+  s.connectivity.analyse(s.present(open), s.rules.making);
   return s.legal_actions(open);
 }
 
@@ -325,10 +326,27 @@ DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection
 TransitionSystem::TransitionSystem(const Problem& problem)
     : TransitionSystem(problem, Situation::whole(problem.num_connections())) {}
 TransitionSystem::TransitionSystem(const Problem& problem, const Situation& situation)
+    : TransitionSystem(problem, situation, detail::Walk::Forwards) {}
+TransitionSystem::TransitionSystem(const Problem& problem, const Situation& situation,
+                                   detail::Walk walk)
     : problem_(problem),
-      rules_(std::make_unique<const Rules>(problem, situation)),
+      rules_(std::make_unique<const Rules>(problem, situation, walk)),
+      situation_(situation),
       num_steps_(rules_->start.size()) {}
 TransitionSystem::~TransitionSystem() = default;
+
+TransitionSystem TransitionSystem::backwards() const {
+  assert(rules_->making && !rules_->ordered);
+  return {problem_, situation_, detail::Walk::Backwards};
+}
+
+bool TransitionSystem::takes_apart() const {
+  return !rules_->making;
+}
+
+bool TransitionSystem::completes_first() const {
+  return rules_->assembly && !rules_->making;
+}
 
 const ConnectionSet& TransitionSystem::start() const {
   return rules_->start;
@@ -346,16 +364,10 @@ const ConnectionSet& TransitionSystem::kept() const {
   return rules_->kept;
 }
 
-Situation TransitionSystem::situation() const {
-  Situation now{rules_->start, rules_->kept, rules_->not_next, rules_->late};
-  for_each_connection(kept().view(), [&](ConnectionIndex c) { now.open.insert(c); });
-  return now;
-}
-
 ConnectionSet TransitionSystem::present(SetView open) const {
   ConnectionSet there(num_connections());
   for (ConnectionIndex c = 0; c < num_connections(); ++c) {
-    if ((contains(open, c) || kept().contains(c)) != rules_->assembly) there.insert(c);
+    if ((contains(open, c) || kept().contains(c)) != rules_->making) there.insert(c);
   }
   return there;
 }

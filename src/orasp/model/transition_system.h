@@ -15,6 +15,10 @@
 
 namespace orasp {
 
+namespace detail {
+enum class Walk;
+}
+
 /// One legal action of a state: handling `connection`, and what that step earns.
 struct Action {
   ConnectionIndex connection;
@@ -43,8 +47,15 @@ struct Step {
 };
 
 enum class Constraint {
-  Precedence,        ///< a connection of `after` is still there
-  PrecedenceAny,     ///< all of `after_any` are still there
+  /// By `after` or `made_after`: what must be gone before it is still there; in assembly, what must
+  /// be made before it is missing.
+  Precedence,
+  /// By `after_any`: all of them are still there; in assembly, it would be the last of them while
+  /// the connection that must be made before one of them is missing and could no longer be made.
+  PrecedenceAny,
+  /// By `made_after_any`: none of them is there; in disassembly, it is the last of them while the
+  /// connection that needs one of them is still there and could no longer be taken off.
+  PrecedenceMadeAny,
   MaxSubassemblies,  ///< too many pieces with two or more parts
   MaxMovedParts,
   MaxMovedMass,
@@ -66,6 +77,9 @@ struct Violation {
   std::string message;  ///< one sentence
   /// Connections that stand in the way (precedence), ascending; empty for the other constraints.
   std::vector<ConnectionIndex> blocking_connections;
+  /// The rule was broken before, by the step that handled those connections too early: now it is
+  /// too late.
+  bool too_late = false;
 };
 
 /// Least and greatest reward of a step; infinite where nothing is known.
@@ -115,12 +129,25 @@ class TransitionSystem {
   [[nodiscard]] bool whole() const;
   /// Whether something cannot be next or is late.
   [[nodiscard]] bool ordered() const;
-  /// Connections that are open and never handled (Situation::inaccessible).
+  /// Connections that are part of no state and stay as they are: those that are open and never
+  /// handled (Situation::inaccessible); backwards(), those that are made already.
   [[nodiscard]] const ConnectionSet& kept() const;
-  /// The situation in which the work begins: what it was made with, as far as it matters.
-  [[nodiscard]] Situation situation() const;
+  /// The situation that it was made with.
+  [[nodiscard]] const Situation& situation() const { return situation_; }
   /// The connections that are physically there in the state `open`.
   [[nodiscard]] ConnectionSet present(SetView open) const;
+
+  /// The plans of an assembly, walked from their end: the start is the product that they end with,
+  /// a step takes off what a plan makes, and the goal is the state at which the work stands. A
+  /// sequence is legal backwards if and only if its reverse is a plan, and each step earns what the
+  /// plan's step earns. So everything that is known about taking products apart helps to put them
+  /// together. Only where steps make connections (not takes_apart()) and nothing is ordered().
+  [[nodiscard]] TransitionSystem backwards() const;
+  /// Whether a step takes a connection away: in disassembly, and backwards(). Then a state is what
+  /// is there and still to be taken off, else what is missing and still to be made.
+  [[nodiscard]] bool takes_apart() const;
+  /// Whether the step that completes is the first one, not the last: backwards().
+  [[nodiscard]] bool completes_first() const;
 
   /// A reason, found without search, for which no plan exists: the start has more subassemblies
   /// than allowed, or the precedence can never be met (then the message spells out a cycle). Empty
@@ -164,11 +191,13 @@ class TransitionSystem {
  private:
   friend class Expander;
   struct Rules;
+  TransitionSystem(const Problem& problem, const Situation& situation, detail::Walk walk);
   [[nodiscard]] Violation waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
-                                        std::size_t entry) const;
+                                        std::size_t entry, bool to_be_made) const;
 
   const Problem& problem_;
   std::unique_ptr<const Rules> rules_;
+  Situation situation_;
   std::size_t num_steps_;
 };
 

@@ -30,8 +30,9 @@ class Reasons {
   [[nodiscard]] std::vector<Violation> found() && { return std::move(found_); }
 
   void add(Constraint constraint, std::string where, std::string message,
-           std::vector<ConnectionIndex> in_the_way = {}) {
-    found_.push_back({constraint, std::move(where), std::move(message), std::move(in_the_way)});
+           std::vector<ConnectionIndex> in_the_way = {}, bool too_late = false) {
+    found_.push_back(
+        {constraint, std::move(where), std::move(message), std::move(in_the_way), too_late});
   }
 
   /// Whether the connection can be handled at all.
@@ -48,33 +49,78 @@ class Reasons {
     return true;
   }
 
-  void precedence() {
+  void precedence() { rules_.making ? precedence_of_making() : precedence_of_removal(); }
+
+  void precedence_of_removal() {
     for (const PrecedenceClause& clause : problem_.precedence()) {
       if (clause.connection != connection_) continue;
-      const std::string where = "precedence[" + std::to_string(clause.entry) + "]";
-      std::vector<ConnectionIndex> after;
-      std::ranges::copy_if(clause.after, std::back_inserter(after),
-                           [this](ConnectionIndex other) { return stands_in_the_way(other); });
-      std::ranges::sort(after);
+      const std::vector<ConnectionIndex> after =
+          those(clause.after, [this](ConnectionIndex other) { return is_there(other); });
       if (!after.empty()) {
-        add(Constraint::Precedence, where,
-            id_ + (rules_.assembly ? " must be made before " : " may be removed only after ") +
-                names(after),
-            after);
+        add(Constraint::Precedence, place(clause.entry),
+            id_ + " may be removed only after " + names(after), after);
       }
       if (clause.after_any.empty() ||
           !std::ranges::all_of(clause.after_any,
-                               [this](ConnectionIndex other) { return stands_in_the_way(other); }))
+                               [this](ConnectionIndex other) { return is_there(other); }))
         continue;
-      std::vector<ConnectionIndex> any = clause.after_any;
-      std::ranges::sort(any);
-      add(Constraint::PrecedenceAny, where,
-          id_ +
-              (rules_.assembly ? " must be made before at least one of "
-                               : " may be removed only after at least one of ") +
-              names(any),
-          any);
+      const std::vector<ConnectionIndex> any = sorted(clause.after_any);
+      add(Constraint::PrecedenceAny, place(clause.entry),
+          id_ + " may be removed only after at least one of " + names(any), any);
     }
+    for_each_shut(&PrecedenceClause::made_after_any, [this](const PrecedenceClause& clause) {
+      add(Constraint::PrecedenceMadeAny, place(clause.entry),
+          "without " + id_ + " nothing is left that " + name(clause.connection) +
+              " needs: as long as it is there, one of " + names(sorted(clause.made_after_any)) +
+              " must be",
+          {clause.connection});
+    });
+  }
+
+  void precedence_of_making() {
+    for (const PrecedenceClause& clause : problem_.precedence()) {
+      const ConnectionIndex c = clause.connection;
+      const auto names_it = [this](const std::vector<ConnectionIndex>& list) {
+        return std::ranges::find(list, connection_) != list.end();
+      };
+      if (names_it(clause.after) && contains(open_, c)) {
+        add(Constraint::Precedence, place(clause.entry),
+            id_ + (c == connection_ ? " may not be made before itself"
+                                    : " may be made only after " + name(c)),
+            {c});
+      }
+      if (c != connection_) continue;
+      const auto made = [this](ConnectionIndex other) {
+        return other != connection_ && is_there(other);
+      };
+      const std::vector<ConnectionIndex> early = those(clause.after, made);
+      if (!early.empty()) {
+        add(Constraint::Precedence, place(clause.entry),
+            id_ + " must be made before " + names(early) +
+                (early.size() == 1 ? ", which is made already" : ", which are made already"),
+            early, true);
+      }
+      const std::vector<ConnectionIndex> any = sorted(clause.after_any);
+      if (!any.empty() && std::ranges::all_of(any, [&](ConnectionIndex other) {
+            return other == connection_ || made(other);
+          })) {
+        add(Constraint::PrecedenceAny, place(clause.entry),
+            id_ + " must be made before at least one of " + names(any) +
+                ", which are all made already",
+            any, true);
+      }
+      const std::vector<ConnectionIndex> needed = sorted(clause.made_after_any);
+      if (needed.empty() || std::ranges::any_of(needed, made)) continue;
+      add(Constraint::PrecedenceMadeAny, place(clause.entry),
+          id_ + " may be made only after at least one of " + names(needed), needed);
+    }
+    for_each_shut(&PrecedenceClause::after_any, [this](const PrecedenceClause& clause) {
+      add(Constraint::PrecedenceAny, place(clause.entry),
+          "after " + id_ + " " + name(clause.connection) +
+              " could no longer be made, which must be made before at least one of " +
+              names(sorted(clause.after_any)),
+          {clause.connection});
+    });
   }
 
   void order(bool ruled_out_first, std::optional<ConnectionIndex> waits_for) {
@@ -118,16 +164,47 @@ class Reasons {
   }
 
  private:
-  /// Whether a clause that waits for `other` is not met yet: it is still there, or, in assembly,
-  /// made already.
-  [[nodiscard]] bool stands_in_the_way(ConnectionIndex other) const {
-    const bool missing_or_there = contains(open_, other) || rules_.kept.contains(other);
-    return other == connection_ || missing_or_there != rules_.assembly;
+  /// Whether `other` is there now, the connection itself among them.
+  [[nodiscard]] bool is_there(ConnectionIndex other) const {
+    const bool open = contains(open_, other) || rules_.kept.contains(other);
+    return other == connection_ || open != rules_.making;
+  }
+  /// Calls visit(clause) for each clause of precedence whose list of that kind the step makes
+  /// impossible to meet.
+  template <class Visit>
+  void for_each_shut(std::vector<ConnectionIndex> PrecedenceClause::*kind, Visit&& visit) const {
+    if (problem_.precedence().empty() || rules_.named_in[connection_].empty()) return;
+    const auto shut = rules_.lists_shut(open_, connection_);
+    std::vector<std::size_t> met(problem_.num_connections(), 0);  // by connection: lists so far
+    for (const PrecedenceClause& clause : problem_.precedence()) {
+      if ((clause.*kind).empty()) continue;
+      const std::size_t list = met[clause.connection]++;
+      if (std::ranges::any_of(shut, [&](const detail::Rules::ListOfMany& one) {
+            return one.connection == clause.connection && one.list == list;
+          }))
+        visit(clause);
+    }
+  }
+  template <class Wanted>
+  [[nodiscard]] static std::vector<ConnectionIndex> those(const std::vector<ConnectionIndex>& list,
+                                                          Wanted&& wanted) {
+    std::vector<ConnectionIndex> found;
+    std::ranges::copy_if(list, std::back_inserter(found), wanted);
+    return sorted(std::move(found));
+  }
+  [[nodiscard]] static std::vector<ConnectionIndex> sorted(std::vector<ConnectionIndex> list) {
+    std::ranges::sort(list);
+    return list;
+  }
+  [[nodiscard]] static std::string place(std::size_t entry) {
+    return "precedence[" + std::to_string(entry) + "]";
+  }
+  [[nodiscard]] std::string name(ConnectionIndex c) const {
+    return detail::in_quotes(problem_.connection_id(c));
   }
   [[nodiscard]] std::string names(const std::vector<ConnectionIndex>& list) const {
     std::string text;
-    for (const ConnectionIndex c : list)
-      text += (text.empty() ? "" : ", ") + detail::in_quotes(problem_.connection_id(c));
+    for (const ConnectionIndex c : list) text += (text.empty() ? "" : ", ") + name(c);
     return text;
   }
   [[nodiscard]] std::string parts(const Side& side) const {
@@ -168,7 +245,8 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
 std::string_view constraint_name(Constraint constraint) {
   switch (constraint) {
     case Constraint::Precedence:
-    case Constraint::PrecedenceAny: return "precedence";
+    case Constraint::PrecedenceAny:
+    case Constraint::PrecedenceMadeAny: return "precedence";
     case Constraint::MaxSubassemblies: return "max_subassemblies";
     case Constraint::MaxMovedParts: return "max_moved_parts";
     case Constraint::MaxMovedMass: return "max_moved_mass";

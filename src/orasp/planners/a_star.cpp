@@ -164,11 +164,8 @@ class AStarSearch {
   std::vector<double> rests_;
 };
 
-}  // namespace
-
-Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
+Result searched(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
   static_assert(kMaxConnections <= std::size_t{1} << 16);
-  const Stopwatch watch;
   if (auto result = detail::infeasible_at_once(system, "a-star")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
   if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
@@ -187,6 +184,15 @@ Result a_star(const TransitionSystem& system, const AStarOptions& options, const
   } else if (result.status != Status::Optimal) {
     result = detail::exhausted("a-star", result.statistics);
   }
+  return result;
+}
+
+}  // namespace
+
+Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
+  const Stopwatch watch;
+  Result result = detail::from_the_end(
+      system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
   result.statistics.seconds = watch.seconds();
   return result;
 }

@@ -159,16 +159,15 @@ Result run_rounds(const TransitionSystem& system, const AndOrOptions& options,
 }  // namespace
 
 std::optional<std::string> and_or_obstacle(const TransitionSystem& system) {
-  if (system.whole() && system.sees_piece_only() &&
-      system.problem().direction() == Direction::Disassembly &&
-      system.problem().num_parts() <= kAndOrMostParts)
+  if (system.whole() && system.sees_piece_only() && system.problem().num_parts() <= kAndOrMostParts)
     return std::nullopt;
-  return "takes whole problems in disassembly, of at most " + std::to_string(kAndOrMostParts) +
-         " parts, whose objective sees nothing but the piece that is cut";
+  return "takes whole problems of at most " + std::to_string(kAndOrMostParts) +
+         " parts, whose objective sees nothing but the piece that is cut or put together";
 }
 
-Result and_or(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
-  const Stopwatch watch;
+namespace {
+
+Result searched(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
   if (auto result = detail::infeasible_at_once(system, "and-or")) return *result;
   if (system.num_connections() == 0) {
     Result empty = greedy(system, budget);
@@ -204,6 +203,15 @@ Result and_or(const TransitionSystem& system, const AndOrOptions& options, const
     }
     result = std::move(other);
   }
+  return result;
+}
+
+}  // namespace
+
+Result and_or(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
+  const Stopwatch watch;
+  Result result = detail::from_the_end(
+      system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
   result.statistics.seconds = watch.seconds();
   return result;
 }

@@ -46,7 +46,10 @@ struct AndOrOptions {
 ///             can be cut.
 /// Cost.       Exponential at worst in the parts. A table entry: the set of parts, 8 bytes and 12
 ///             to 24 of index.
-/// Limit.      Disassembly, at most kAndOrMostParts parts, objectives that see the piece only.
+/// Assembly.   The same tree, read from its leaves: A and B are put together. The step that
+///             completes is then the first one from the root, so at the root alone the steps that
+///             can be the last joint are looked at one by one, with what completing adds to each.
+/// Limit.      At most kAndOrMostParts parts, objectives that see the piece only.
 /// Repeatable. Ties go to the cut listed first.
 /// @throws Refusal where the objective or the direction does not allow it: and_or_obstacle().
 [[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,

@@ -112,8 +112,15 @@ class Findings {
   bool infeasible_ = false;
 };
 
-Result chosen(const TransitionSystem& system, const Budget& budget) {
+/// `system` is `forwards`, or that backwards, where more is known about what is still to come.
+Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
+              const Budget& budget) {
   const ConnectionSet start = system.start();
+  // A result of the system forwards, as one of `system`.
+  const auto turned = [&](Result result) {
+    if (&system != &forwards) std::ranges::reverse(result.sequence);
+    return result;
+  };
   Findings findings;
   Budget first = budget;
   first.max_expansions = std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
@@ -143,8 +150,8 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
       return findings.answer(stop, "and-or, since the objective sees the piece only");
   }
   // Everything, where that is not much.
-  if (worth_building(system, budget)) {
-    const Result result = value_iteration(system, {}, budget);
+  if (worth_building(forwards, budget)) {
+    const Result result = turned(value_iteration(forwards, {}, budget));
     findings.add(result);
     return findings.answer(result.stop, "value-iteration, since the state-action graph is small");
   }
@@ -156,14 +163,15 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
   std::string how =
       by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
                 : "beam, since the state-action graph is too large to build";
-  bool may_be_dense = dense_values_safe(system) && dense_table_fits(system, budget);
+  bool may_be_dense = dense_values_safe(forwards) && dense_table_fits(forwards, budget);
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
     Budget some = budget;
     if (!pieces_ended) {
       some.max_expansions = kFirstTurn << std::min<std::uint64_t>(2 * turn, 40);
       some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
     }
-    const Result passes = beam(system, {.incumbent = &findings.best()}, some);
+    const Result passes =
+        beam(system, {.incumbent = &findings.best(), .most = *findings.best().bound}, some);
     findings.add(passes);
     stop = passes.stop == Stop::ExpansionLimit && some.max_expansions < budget.max_expansions
                ? Stop::None
@@ -174,8 +182,8 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
     if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())
       continue;
     may_be_dense = false;
-    if (budget.deadline && seconds_left(budget) < dense_seconds(system, budget)) continue;
-    const Result dense = dense_value_iteration(system, {}, budget);
+    if (budget.deadline && seconds_left(budget) < dense_seconds(forwards, budget)) continue;
+    const Result dense = turned(dense_value_iteration(forwards, {}, budget));
     findings.add(dense);
     stop = dense.stop;
     how += ", then value iteration over all subsets of connections";
@@ -189,7 +197,8 @@ Result chosen(const TransitionSystem& system, const Budget& budget) {
 Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
   const Stopwatch watch;
   if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
-  Result result = chosen(system, budget);
+  Result result = detail::from_the_end(
+      system, [&](const TransitionSystem& from) { return chosen(system, from, budget); });
   result.seed = seed;
   result.statistics.seconds = watch.seconds();
   return result;

@@ -26,7 +26,8 @@ class BeamSearch {
         words_(system.words()),
         allowed_(allowed_bytes(budget)),
         result_(result),
-        workers_(std::max(1U, budget.threads)) {
+        workers_(std::max(1U, budget.threads)),
+        proved_(options.most) {
     for (Worker& worker : workers_) {
       worker.expander = std::make_unique<Expander>(system);
       worker.bound = make_bound(system, options.bound);
@@ -39,16 +40,14 @@ class BeamSearch {
   void run() {
     const double most = bounded_ ? (*workers_.front().bound)(system_.start().view()) : kInfinity;
     tick_ = kRewardTolerance * (std::isfinite(most) ? std::max(1.0, std::abs(most)) : 1.0);
-    proved_ = most;
-    for (std::size_t width = 1; result_.stop == Stop::None; width *= 2) {
+    proved_ = std::min(proved_, most);
+    done_ = meets_bound();
+    for (std::size_t width = 1; !done_ && result_.stop == Stop::None; width *= 2) {
       ++result_.statistics.sweeps;
       const double left_out = pass(width);
       if (result_.stop != Stop::None) break;
       proved_ = std::min(proved_, std::max(left_out, result_.reward));
-      if (left_out == -kInfinity || (bounded_ && result_.reward >= proved_ - tick_)) {
-        done_ = true;
-        break;
-      }
+      done_ = left_out == -kInfinity || meets_bound();
     }
     if (std::isfinite(proved_)) result_.bound = proved_;
     result_.statistics.peak_bytes = peak_bytes_;
@@ -98,6 +97,9 @@ class BeamSearch {
     Stop stop = Stop::None;
   };
 
+  [[nodiscard]] bool meets_bound() const {
+    return result_.has_plan() && detail::meets(result_.reward, proved_);
+  }
   [[nodiscard]] SetView state_of(const Layer& layer, std::size_t i) const {
     return {layer.states.data() + i * words_, words_};
   }
@@ -334,7 +336,7 @@ class BeamSearch {
   /// Promises that differ by less than this are equal.
   double tick_ = 1;
   /// The least upper bound on any plan that was proved.
-  double proved_ = kInfinity;
+  double proved_;
   std::uint64_t peak_bytes_ = 0;
   /// How many states of a layer this pass keeps.
   std::size_t width_ = 1;
@@ -350,11 +352,8 @@ class BeamSearch {
   std::vector<std::size_t> begins_;
 };
 
-}  // namespace
-
-Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
+Result searched(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
   static_assert(kMaxConnections <= std::size_t{1} << 16);
-  const Stopwatch watch;
   if (auto result = detail::infeasible_at_once(system, "beam")) return *result;
   Result result;
   if (options.incumbent != nullptr && options.incumbent->has_plan()) result = *options.incumbent;
@@ -377,6 +376,21 @@ Result beam(const TransitionSystem& system, const BeamOptions& options, const Bu
     result = detail::stopped_with_quick_plan(system, "beam", result.stop, result.statistics);
     result.bound = most;
   }
+  return result;
+}
+
+}  // namespace
+
+Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
+  const Stopwatch watch;
+  Result result = detail::from_the_end(system, [&](const TransitionSystem& from) {
+    if (&from == &system || options.incumbent == nullptr) return searched(from, options, budget);
+    Result incumbent = *options.incumbent;
+    std::ranges::reverse(incumbent.sequence);
+    BeamOptions turned = options;
+    turned.incumbent = &incumbent;
+    return searched(from, turned, budget);
+  });
   result.statistics.seconds = watch.seconds();
   return result;
 }

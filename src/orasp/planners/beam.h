@@ -1,6 +1,7 @@
 #pragma once
 
 #include "orasp/bounds/bound_kinds.h"
+#include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -11,6 +12,8 @@ struct BeamOptions {
   BoundKind bound = BoundKind::Best;
   /// A plan to start from; it must outlive the call.
   const Result* incumbent = nullptr;
+  /// A bound on what any plan earns that is proved already.
+  double most = kInfinity;
 };
 
 /// Finds better and better plans by complete anytime beam search, of any objective and at any size.

@@ -22,6 +22,11 @@ constexpr double kCutsSingle = -4.5;
 
 /// The greatest reward of a step that can do no harm: see find_order().
 double harmless(const Problem& problem) {
+  // A connection that another one needs must not go early.
+  if (std::ranges::any_of(problem.precedence(), [](const PrecedenceClause& clause) {
+        return !clause.made_after_any.empty();
+      }))
+    return -kInfinity;
   const Limits& limits = problem.limits();
   const bool blocking =
       std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
@@ -36,22 +41,21 @@ double harmless(const Problem& problem) {
   return counts ? kCutsSingle : kCuts;
 }
 
-Feasibility search(const Problem& problem, const TransitionSystem& system,
-                   const ConnectionSet& from, const ConnectionSet& to, const Budget& budget) {
-  const double threshold = harmless(problem);
+/// `system` takes the problem apart.
+Feasibility search(const TransitionSystem& system, const Budget& budget) {
+  const double threshold = harmless(system.problem());
+  const ConnectionSet none(system.num_connections());
   Result result = detail::depth_first_search(
-      system, from, to, budget, kMethod, [&](SetView, std::span<Action> actions) -> std::size_t {
-        const auto kept_back = std::ranges::stable_partition(
-            actions, [&](const Action& action) { return !to.contains(action.connection); });
-        const auto mine = actions.first(actions.size() - kept_back.size());
+      system, system.start(), none, budget, kMethod,
+      [&](SetView, std::span<Action> actions) -> std::size_t {
         const auto safe = std::ranges::find_if(
-            mine, [&](const Action& action) { return action.reward <= threshold; });
-        if (safe != mine.end()) {
-          std::swap(mine.front(), *safe);
+            actions, [&](const Action& action) { return action.reward <= threshold; });
+        if (safe != actions.end()) {
+          std::swap(actions.front(), *safe);
           return 1;
         }
-        std::ranges::stable_sort(mine, {}, &Action::reward);  // cuts first
-        return mine.size();
+        std::ranges::stable_sort(actions, {}, &Action::reward);  // cuts first
+        return actions.size();
       });
   Feasibility found;
   found.status = result.has_plan() ? Status::Feasible : result.status;
@@ -61,14 +65,15 @@ Feasibility search(const Problem& problem, const TransitionSystem& system,
   return found;
 }
 
-/// Disassembly, and an objective whose rewards tell what a step cuts.
+/// An objective whose rewards tell what a step cuts.
 Problem prepared(ProblemSpec spec) {
-  spec.direction = Direction::Disassembly;
   PieceCost cost;
   cost.pieces[1] = kSingle;
   for (std::size_t parts = 2; parts <= std::max<std::size_t>(2, spec.parts.size()); ++parts)
     cost.pieces[parts] = kLarger;
-  cost.completion = 2 * -kSingle;
+  // The step that completes is the last one of a disassembly, which can do no harm, and the first
+  // one of an assembly backwards, of which nothing is said.
+  cost.completion = spec.direction == Direction::Disassembly ? 2 * -kSingle : 0;
   spec.objective = Objective("piece_cost", cost);
   return Problem(std::move(spec));
 }
@@ -78,10 +83,22 @@ Problem prepared(ProblemSpec spec) {
 Feasibility find_order(const Problem& problem, const ConnectionSet& from, const ConnectionSet& to,
                        const Budget& budget) {
   const Problem plain = prepared(problem.spec());
-  return search(plain, TransitionSystem(plain), from, to, budget);
+  const std::size_t connections = problem.num_connections();
+  Situation now = Situation::whole(connections);
+  if (problem.direction() == Direction::Disassembly) {
+    now.open = from;
+    now.inaccessible = to;
+    return search(TransitionSystem(plain, now), budget);
+  }
+  for (ConnectionIndex c = 0; c < connections; ++c) {
+    if (to.contains(c)) now.open.erase(c);
+    if (!from.contains(c)) now.inaccessible.insert(c);
+  }
+  return search(TransitionSystem(plain, now).backwards(), budget);
 }
 
 Feasibility find_order(ProblemSpec spec, const Budget& budget) {
+  spec.direction = Direction::Disassembly;
   const Problem plain = prepared(std::move(spec));
   const TransitionSystem system(plain);
   Feasibility found;
@@ -89,7 +106,7 @@ Feasibility find_order(ProblemSpec spec, const Budget& budget) {
     found.status = Status::Infeasible;
     return found;
   }
-  return search(plain, system, system.start(), ConnectionSet(system.num_connections()), budget);
+  return search(system, budget);
 }
 
 }  // namespace orasp

@@ -22,9 +22,10 @@ struct Feasibility {
   std::uint64_t expanded = 0;
 };
 
-/// Looks for any legal order in which to take the present connections `from` down to `to`, a
-/// subset, in disassembly order whatever the problem's direction (a legal assembly order is one of
-/// these backwards). Rewards do not matter.
+/// Looks for any legal order in which to take the connections `from` down to `to`, a subset, in
+/// disassembly order whatever the problem's direction (a legal assembly order is one of these
+/// backwards). In disassembly `to` is what stays; in assembly it is what is made already, and what
+/// is not in `from` is given up. Rewards do not matter.
 ///
 /// Idea.       Depth first with a table of failed states, and few branches: a cut that can do no
 ///             harm is made at once and nothing else is tried in that state. A legal removal of c
@@ -37,7 +38,8 @@ struct Feasibility {
 ///             if c cuts off a single part: its piece counted one with it and counts at most one
 ///             without it. So with a limit on subassemblies that can be exceeded only single parts
 ///             are cut at once; with a limit on unequal masses, nothing is (what is smaller may be
-///             heavier). Where no constraint judges cuts every legal removal is harmless.
+///             heavier). Where no constraint judges cuts every legal removal is harmless. With
+///             `made_after_any`, which asks for presence, none is.
 /// Guarantee.  Complete: Infeasible is a proof.
 /// Cost.       O(connections * (parts + connections)) where nothing has to be tried twice, and the
 ///             number of subsets of connections in the worst case. (Already whether an assembly in

@@ -187,18 +187,18 @@ class OraspSearch {
   detail::GrowingArray<double> best_;
 };
 
-}  // namespace
-
-Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
-                    const Budget& budget) {
-  const Stopwatch watch;
+Result searched(const TransitionSystem& system, const OraspSearchOptions& options,
+                const Budget& budget) {
   if (auto result = detail::infeasible_at_once(system, "orasp-search")) return *result;
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
   if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
     throw Refusal("orasp-search", *reason);
   Result result = random_sequence(system, {.seed = options.seed}, budget);
   result.method = "orasp-search";
-  if (result.status == Status::Feasible) {
+  if (result.stop != Stop::None) {
+    result =
+        detail::stopped_with_quick_plan(system, "orasp-search", result.stop, result.statistics);
+  } else if (result.status == Status::Feasible) {
     if (system.words() == 1) {
       OraspSearch<1>(system, *bound, budget, result).run();
     } else {
@@ -210,6 +210,16 @@ Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& op
     }
   }
   result.seed = options.seed;
+  return result;
+}
+
+}  // namespace
+
+Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
+                    const Budget& budget) {
+  const Stopwatch watch;
+  Result result = detail::from_the_end(
+      system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
   result.statistics.seconds = watch.seconds();
   return result;
 }

@@ -33,14 +33,14 @@ constexpr std::size_t kSmall = 600;
 Result any_plan(const TransitionSystem& system, const Budget& budget) {
   Result result;
   if (system.ordered()) return result;
-  const bool assembly = system.problem().direction() == Direction::Assembly;
+  const bool makes = !system.takes_apart();
   const ConnectionSet none(system.num_connections());
   const ConnectionSet start = system.present(system.start().view());
   const ConnectionSet goal = system.present(none.view());
   Feasibility found =
-      find_order(system.problem(), assembly ? goal : start, assembly ? start : goal, budget);
+      find_order(system.problem(), makes ? goal : start, makes ? start : goal, budget);
   if (found.status != Status::Feasible) return result;
-  if (assembly) std::ranges::reverse(found.order);
+  if (makes) std::ranges::reverse(found.order);
   result.sequence = std::move(found.order);
   result.status = Status::Feasible;
   result.reward = reward_of(system, result.sequence);
@@ -121,6 +121,7 @@ Statistics statistics_of(const StateGraph& graph) {
 }
 
 std::optional<double> bound_of_start(const TransitionSystem& system) {
+  if (!system.takes_apart() && !system.ordered()) return bound_of_start(system.backwards());
   const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
   if (!bound->known()) return std::nullopt;
   const double most = (*bound)(system.start().view());

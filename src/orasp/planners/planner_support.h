@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,6 +23,19 @@ namespace orasp::detail {
 /// The reward of a sequence of legal steps from the start. O(steps * (parts + connections)).
 [[nodiscard]] double reward_of(const TransitionSystem& system,
                                std::span<const ConnectionIndex> sequence);
+
+/// Runs `plan(system)`, which returns a Result. Where steps make connections it is run backwards,
+/// from the product to where the work stands, and its sequence is turned round: from there more is
+/// known about what is still to come, and there are no dead ends of precedence. Not where the order
+/// of the work matters in itself (TransitionSystem::ordered).
+template <class Plan>
+[[nodiscard]] Result from_the_end(const TransitionSystem& system, Plan&& plan) {
+  if (system.takes_apart() || system.ordered()) return plan(system);
+  const TransitionSystem backwards = system.backwards();
+  Result result = plan(backwards);
+  std::ranges::reverse(result.sequence);
+  return result;
+}
 
 /// The answer of a method that was stopped before it had a plan of its own. It runs greedy, and if
 /// that fails looks for any plan, for some milliseconds: a user who set a limit still gets a plan

@@ -67,6 +67,14 @@ class Replayer {
   }
   void find_times();
   void judge_precedence();
+  void blame_start();
+  [[nodiscard]] std::vector<PlanFault> precedence_faults(ConnectionIndex c, std::size_t time) const;
+  [[nodiscard]] std::vector<const PrecedenceClause*> shut_out(ConnectionIndex c,
+                                                              std::size_t time) const;
+  [[nodiscard]] bool still_to_make(ConnectionIndex c, std::size_t time) const {
+    return handled_at_[c] >= time && handled_at_[c] != kBeforeAll &&
+           !situation_.inaccessible.contains(c);
+  }
   [[nodiscard]] bool there(ConnectionIndex c, std::size_t time) const {
     return assembly_ ? handled_at_[c] < time : handled_at_[c] >= time;
   }
@@ -74,6 +82,7 @@ class Replayer {
   [[nodiscard]] std::optional<ConnectionIndex> held_back(const PrecedenceClause& clause,
                                                          std::size_t time) const;
   [[nodiscard]] bool all_there(const PrecedenceClause& clause, std::size_t time) const;
+  [[nodiscard]] bool unsupported(const PrecedenceClause& clause, std::size_t time) const;
 
   void start_pieces();
   void merge(ConnectionIndex c);
@@ -117,9 +126,8 @@ class Replayer {
   std::vector<PartIndex> listed_;
 
   // For late connections.
-  std::vector<ConnectionIndex> ordinary_;  ///< to be handled and not late
-  std::size_t last_ordinary_ = 0;          ///< the time after which none of them is open
-  std::vector<std::vector<const PrecedenceClause*>> clauses_;
+  std::vector<ConnectionIndex> ordinary_;             ///< to be handled and not late
+  std::size_t last_ordinary_ = 0;                     ///< the time after which none of them is open
   std::vector<std::vector<ConnectionIndex>> around_;  ///< by part
   std::vector<unsigned char> reached_;                ///< by part; all 0 between uses
 
@@ -180,19 +188,145 @@ bool Replayer::all_there(const PrecedenceClause& clause, std::size_t time) const
          });
 }
 
+// Whether no member of made_after_any is there beside the connection that is handled at `time`.
+bool Replayer::unsupported(const PrecedenceClause& clause, std::size_t time) const {
+  return !clause.made_after_any.empty() &&
+         std::ranges::none_of(clause.made_after_any, [&](ConnectionIndex other) {
+           return other != clause.connection && there(other, time) && handled_at_[other] != time;
+         });
+}
+
 void Replayer::judge_precedence() {
+  if (to_handle_ == 0) return;
+  bool broken = made_.size() != to_handle_;
   for (const PrecedenceClause& clause : problem_.precedence()) {
     const std::size_t time = handled_at_[clause.connection];
+    const bool stays = !assembly_ && situation_.inaccessible.contains(clause.connection);
+    if (time == kNever && stays) broken = broken || unsupported(clause, sequence_.size() + 1);
     if (time == kBeforeAll || time == kNever) continue;
-    const Made step{time, 0, clause.connection};
+    broken =
+        broken || held_back(clause, time) || all_there(clause, time) || unsupported(clause, time);
+  }
+  if (!broken) return;
+  blame_start();
+  for (const Made& step : made_) {
+    for (const PlanFault& details : precedence_faults(step.connection, step.time))
+      fault(step, details.constraint, details);
+  }
+}
+
+// Rules that are broken where the plan begins.
+void Replayer::blame_start() {
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    if (handled_at_[clause.connection] == kBeforeAll) continue;
     PlanFault details;
     details.entry = clause.entry;
-    if (const auto other = held_back(clause, time)) {
-      details.other = *other;
-      fault(step, Constraint::Precedence, details);
+    details.connection = clause.connection;
+    const auto add = [&](Constraint constraint) {
+      details.constraint = constraint;
+      replay_.faults.push_back(details);
+    };
+    if (!assembly_) {
+      if (unsupported(clause, kBeforeAll)) add(Constraint::PrecedenceMadeAny);
+      continue;
     }
-    if (all_there(clause, time)) fault(step, Constraint::PrecedenceAny, details);
+    if (situation_.inaccessible.contains(clause.connection)) continue;
+    const auto made = [&](ConnectionIndex other) { return handled_at_[other] == kBeforeAll; };
+    if (const auto other = std::ranges::find_if(clause.after, made); other != clause.after.end()) {
+      details.other = *other;
+      add(Constraint::Precedence);
+    }
+    if (!clause.after_any.empty() &&
+        std::ranges::all_of(clause.after_any, [&](ConnectionIndex other) {
+          return made(other) || other == clause.connection;
+        }))
+      add(Constraint::PrecedenceAny);
   }
+}
+
+// The rules of precedence that handling `c` at `time` breaks, in the state that the steps before
+// that leave: by what must come before it, and by what could never be handled after it.
+std::vector<PlanFault> Replayer::precedence_faults(ConnectionIndex c, std::size_t time) const {
+  std::vector<PlanFault> faults;
+  const auto add = [&](Constraint constraint, const PrecedenceClause& clause,
+                       ConnectionIndex other) {
+    PlanFault details;
+    details.constraint = constraint;
+    details.entry = clause.entry;
+    details.other = other;
+    faults.push_back(details);
+  };
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    if (assembly_) {
+      if (still_to_make(clause.connection, time) &&
+          std::ranges::find(clause.after, c) != clause.after.end())
+        add(Constraint::Precedence, clause, clause.connection);
+      if (clause.connection == c && unsupported(clause, time))
+        add(Constraint::PrecedenceMadeAny, clause, c);
+    } else if (clause.connection == c) {
+      if (const auto other = held_back(clause, time)) add(Constraint::Precedence, clause, *other);
+      if (all_there(clause, time)) add(Constraint::PrecedenceAny, clause, c);
+    }
+  }
+  for (const PrecedenceClause* clause : shut_out(c, time)) {
+    add(assembly_ ? Constraint::PrecedenceAny : Constraint::PrecedenceMadeAny, *clause,
+        clause->connection);
+  }
+  return faults;
+}
+
+// The clauses that name `c` in a list of which one must be there (disassembly) or gone (assembly),
+// and that cannot be kept once `c` is handled at `time`. In disassembly: what is then there is put
+// on, as far as that goes, starting from nothing; in assembly what is then missing is taken off,
+// starting from the product.
+std::vector<const PrecedenceClause*> Replayer::shut_out(ConnectionIndex c, std::size_t time) const {
+  const auto list_of = [this](const PrecedenceClause& clause) -> const auto& {
+    return assembly_ ? clause.after_any : clause.made_after_any;
+  };
+  std::vector<const PrecedenceClause*> naming;
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    if (std::ranges::find(list_of(clause), c) != list_of(clause).end()) naming.push_back(&clause);
+  }
+  if (naming.empty()) return {};
+  const std::size_t connections = problem_.num_connections();
+  std::vector<bool> left(connections);  // still to be put on, or taken off
+  std::vector<bool> done(connections);  // put on; of assembly: taken off, or never there
+  for (ConnectionIndex other = 0; other < connections; ++other) {
+    // What is inaccessible stays in disassembly, and is never there in assembly.
+    const bool never = situation_.inaccessible.contains(other);
+    left[other] =
+        other != c && handled_at_[other] >= time && handled_at_[other] != kBeforeAll && !never;
+    done[other] = never && handled_at_[other] != kBeforeAll;
+  }
+  const std::vector<bool> stays = done;
+  const auto is_done = [&](ConnectionIndex other) { return bool{done[other]}; };
+  const auto list_waits = [&](const PrecedenceClause& clause) {
+    return !list_of(clause).empty() && std::ranges::none_of(list_of(clause), is_done);
+  };
+  for (bool moving = true; moving;) {
+    moving = false;
+    std::vector<bool> free = left;
+    for (const PrecedenceClause& clause : problem_.precedence()) {
+      if (list_waits(clause)) free[clause.connection] = false;
+      if (assembly_ && !std::ranges::all_of(clause.after, is_done)) free[clause.connection] = false;
+      if (assembly_ || !left[clause.connection]) continue;
+      for (const ConnectionIndex later : clause.after) free[later] = false;
+    }
+    for (ConnectionIndex other = 0; other < connections; ++other) {
+      if (!free[other]) continue;
+      left[other] = false;
+      done[other] = true;
+      moving = true;
+    }
+  }
+  std::erase_if(naming, [&](const PrecedenceClause* clause) {
+    if (!assembly_ && stays[clause->connection])
+      return std::ranges::any_of(list_of(*clause), [&](ConnectionIndex other) {
+        return other != clause->connection && (left[other] || done[other]);
+      });
+    return !left[clause->connection] || !list_waits(*clause);
+  });
+  return naming;
 }
 
 Piece Replayer::lone_piece(PartIndex part) const {
@@ -378,8 +512,11 @@ bool Replayer::cut_allowed(const Piece& a, const Piece& b, std::size_t apart) co
 // Whether the problem's own constraints let `c`, which is open, be handled now, at `time`. The
 // pieces are those of the state at hand.
 bool Replayer::can_be_handled(ConnectionIndex c, std::size_t time) {
-  for (const PrecedenceClause* clause : clauses_[c]) {
-    if (held_back(*clause, time) || all_there(*clause, time)) return false;
+  if (!precedence_faults(c, time).empty()) return false;
+  // In assembly it may be too late, by the fault of an earlier step.
+  for (const PrecedenceClause& clause : problem_.precedence()) {
+    if (clause.connection == c && (held_back(clause, time) || all_there(clause, time)))
+      return false;
   }
   if (!assembly_) return cut_allowed_apart(c, time);
   const PartIndex a = piece_of_[problem_.ends(c)[0]];
@@ -463,9 +600,6 @@ PlanReplay Replayer::run() {
       ordinary_.push_back(c);
       last_ordinary_ = std::max(last_ordinary_, handled_at_[c]);
     }
-    clauses_.resize(problem_.num_connections());
-    for (const PrecedenceClause& clause : problem_.precedence())
-      clauses_[clause.connection].push_back(&clause);
     around_.resize(problem_.num_parts());
     for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
       for (const PartIndex end : problem_.ends(c)) around_[end].push_back(c);

@@ -16,7 +16,7 @@ struct PlanFault {
   Constraint constraint = Constraint::NotOpen;
   ConnectionIndex connection = 0;  ///< of the step, or missing at the end
   std::size_t entry = 0;           ///< of ProblemSpec::precedence, where that is broken
-  ConnectionIndex other = 0;       ///< the one that stands in the way (precedence, late)
+  ConnectionIndex other = 0;       ///< the one that stands in the way, or is shut out
   std::size_t amount = 0;          ///< subassemblies, or parts that move
   double mass = 0;                 ///< kg that move
 };
@@ -42,6 +42,9 @@ struct PlanReplay {
 ///            section 4.6: merge the smaller into the larger.
 /// Guarantee. Every step that can be made (its connection exists, is open and accessible) is
 ///            judged, in the state that the steps before it leave, legal or not.
+/// Blame.     A rule of precedence is broken by the step after which it can no longer be kept, not
+///            by the one that finds it broken: in an assembly by what is made too early. Which
+///            step that is is looked for only in a plan that breaks one.
 /// Cost.      O((parts + connections) log parts + size of precedence), and the blockers of a part
 ///            once for each time that it is renamed. With steps asked for, or for an objective that
 ///            is a function of the whole Step, O(parts) for each step more. A late step, while

@@ -17,16 +17,41 @@ namespace orasp::detail {
 
 inline constexpr std::size_t kUnlimited = std::numeric_limits<std::size_t>::max();
 
+/// In which order the states of a problem's plans are met.
+enum class Walk {
+  Forwards,   ///< from where the work stands to its end
+  Backwards,  ///< of an assembly: from the product that it ends with back to where the work stands
+};
+
 /// The problem, arranged for work.
+///
+/// Precedence. A state is one that precedence allows if what is missing in it could have been taken
+/// off in some order, as `after` and `after_any` ask, and what is there could have been put on in
+/// some order, as `made_after_any` asks (`after` asks both times: what is removed after a
+/// connection is made before it). A step is legal if it obeys its own clauses and comes to such a
+/// state. In disassembly what is missing has been taken off, so only `made_after_any` must be
+/// looked at ahead; in assembly what is there has been put on, so it is `after`, by a mask, and
+/// `after_any`, by going through what is missing. Both look at one end alone, so where `after_any`
+/// and `made_after_any` stand in one problem dead ends may remain.
 struct Rules {
-  bool assembly = false;
+  bool assembly = false;  ///< steps are counted, named and paid as those of an assembly
+  bool making = false;    ///< steps put connections on: an assembly, walked forwards
   std::size_t words = 1;
   AssemblyGraph graph;
 
-  std::vector<std::uint64_t> constrained;  ///< connections with a clause of precedence
-  std::vector<std::uint64_t> after;        ///< by connection: union of its `after` lists
-  std::vector<std::vector<std::vector<std::uint64_t>>>
-      any;  ///< by connection: its `after_any` lists
+  using Words = std::vector<std::uint64_t>;
+  Words constrained;  ///< connections whose steps precedence may forbid
+  Words after;        ///< by connection: union of its `after` lists
+  Words before;       ///< by connection: all that have it in their `after` lists, where asked for
+  std::vector<std::vector<Words>> any;       ///< by connection: its `after_any` lists
+  std::vector<std::vector<Words>> made_any;  ///< by connection: its `made_after_any` lists
+  /// A list of `any` or of `made_any`: its connection and its place there.
+  struct ListOfMany {
+    ConnectionIndex connection;
+    std::size_t list;
+  };
+  /// By connection: the lists that name it, of the kind that must be looked at ahead.
+  std::vector<std::vector<ListOfMany>> named_in;
   std::size_t max_subassemblies = kUnlimited;
   std::size_t max_moved_parts = kUnlimited;
   double max_moved_mass = kInfinity;
@@ -42,15 +67,26 @@ struct Rules {
 
   // Where the work stands (Situation), over the same connections.
   ConnectionSet start;     ///< open and accessible: what is to be handled
-  ConnectionSet kept;      ///< open and inaccessible
+  ConnectionSet kept;      ///< stays open: inaccessible; backwards, what is made already
   ConnectionSet not_next;  ///< of `start`
   ConnectionSet late;      ///< of `start`
   std::size_t num_kept = 0;
-  bool whole = true;     ///< everything is to be handled and in any order that is legal
-  bool ordered = false;  ///< something cannot be next or is late
+  std::size_t num_steps = 0;  ///< connections of `start`
+  bool whole = true;          ///< everything is to be handled and in any order that is legal
+  bool ordered = false;       ///< something cannot be next or is late
 
-  Rules(const Problem& problem, const Situation& situation);
+  Rules(const Problem& problem, const Situation& situation, Walk walk);
   [[nodiscard]] bool precedence_met(SetView open, ConnectionIndex c) const;
+  /// Word `w` of the connections that are there while `c`, which is open, is not yet or no longer.
+  [[nodiscard]] std::uint64_t there_without(SetView open, ConnectionIndex c, std::size_t w) const {
+    const std::uint64_t stays = open[w] | kept.view()[w];
+    const std::uint64_t self = w == c / 64 ? std::uint64_t{1} << (c % 64) : 0;
+    return (making ? ~stays : stays) & ~self;
+  }
+  /// The lists that name `c` and that handling it in the state `open` makes impossible to meet: of
+  /// connections that nothing could put on any more (disassembly), or take off (assembly).
+  [[nodiscard]] std::vector<ListOfMany> lists_shut(SetView open, ConnectionIndex c) const;
+  void set_precedence(const Problem& problem);
   void set_situation(const Situation& situation);
   void size_up_rewards(const Problem& problem);
 };

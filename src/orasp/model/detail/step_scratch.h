@@ -82,9 +82,15 @@ struct Expander::Scratch {
   detail::StepFacts facts;
   facts.connection = c;
   facts.before = num_open + rules.num_kept;
-  if (rules.assembly) facts.before = problem.num_connections() - facts.before;
-  facts.after = rules.assembly ? facts.before + 1 : facts.before - 1;
   facts.completes = num_open == 1;
+  if (rules.assembly) {
+    // Backwards, the state that is left when c is off is the one in which it is made.
+    facts.before = rules.making ? problem.num_connections() - facts.before : facts.before - 1;
+    facts.after = facts.before + 1;
+    if (!rules.making) facts.completes = num_open == rules.num_steps;
+  } else {
+    facts.after = facts.before - 1;
+  }
   return facts;
 }
 

@@ -92,8 +92,12 @@ std::string key_text(std::string_view key) {
 std::string number_text(double number) {
   if (std::isnan(number)) return "NaN";
   if (std::isinf(number)) return number > 0 ? "infinity" : "-infinity";
+  // The shorter of 1000000 and 1e+06 is harder to read.
+  const double size = std::abs(number);
+  const auto form =
+      size >= 1e-4 && size < 1e15 ? std::chars_format::fixed : std::chars_format::general;
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, form).ptr;
   return {buffer.data(), end};
 }
 

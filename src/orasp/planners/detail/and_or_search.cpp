@@ -10,6 +10,7 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
     : problem_(pieces.system.problem()),
       expander_(pieces.system),
       gains_(pieces.gains),
+      first_(pieces.first ? &*pieces.first : nullptr),
       graph_(pieces.graph),
       along_forest_(forest_seed != 0 || pieces.graph.is_forest()),
       budget_(budget),
@@ -64,17 +65,21 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   allowed = std::min(allowed, kMostAllowed);
   double most = 0;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
-  if (problem_.num_connections() > 0) most += gains_.last_surplus();
+  if (problem_.num_connections() > 0) most += first_ ? first_->most : gains_.last_surplus();
   for (const Set& piece : pieces) most += upper(piece, piece.size());
   result_.bound = most;
+  std::vector<double> losses;
   for (const Set& piece : pieces) {
     const double before = most;
     const double loss =
         solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
     most -= loss;
+    losses.push_back(loss);
     result_.bound = most;
     if (most == -kInfinity || result_.stop != Stop::None || run_is_over_) break;
   }
+  if (first_ && most > -kInfinity && result_.stop == Stop::None && !run_is_over_)
+    result_.bound = most - loss_of_first_step(pieces, losses, allowed);
   result_.statistics.states = std::max<std::uint64_t>(result_.statistics.states, memo_.size());
   result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
   allowed_ = allowed;

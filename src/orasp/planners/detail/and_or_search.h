@@ -25,14 +25,34 @@
 
 namespace orasp::detail {
 
+/// Where the first step completes (TransitionSystem::completes_first): the legal first steps, and
+/// how much more each earns because it completes.
+struct FirstSteps {
+  struct Cut {
+    ConnectionIndex connection;
+    double surplus;
+    double gain;               ///< of the cut itself
+    std::vector<PartIndex> a;  ///< the side of its first part
+  };
+  /// Of the steps that separate nothing, the one that earns most more.
+  struct WithoutCut {
+    ConnectionIndex connection;
+    double surplus;
+  };
+
+  double most = -kInfinity;  ///< the greatest surplus of all
+  std::optional<WithoutCut> without_cut;
+  std::vector<Cut> cuts;
+};
+
 /// What all searches of one problem share; none of them changes it.
 struct PieceProblem {
-  explicit PieceProblem(const TransitionSystem& the_system)
-      : system(the_system), gains(the_system), graph(the_system.problem()) {}
+  explicit PieceProblem(const TransitionSystem& the_system);
 
   const TransitionSystem& system;
   PieceGains gains;
   AssemblyGraph graph;
+  std::optional<FirstSteps> first;
 };
 
 /// The search of and_or() (planners/and_or.h): the least loss of a piece over all trees of cuts.
@@ -43,7 +63,8 @@ struct PieceProblem {
 ///
 /// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
-/// search takes too long, and_or_sequence.cpp the steps of a plan.
+/// search takes too long, and_or_first.cpp what changes where the first step completes,
+/// and_or_sequence.cpp the steps of a plan.
 template <std::size_t kWords>
 class AndOrSearch {
  public:
@@ -110,6 +131,21 @@ class AndOrSearch {
     std::size_t allowed;
   };
 
+  // and_or_first.cpp
+  /// A first step: the piece of pieces_ that it cuts, or none, and the least that a plan with it is
+  /// known to lose beside the losses of the pieces.
+  struct First {
+    ConnectionIndex connection;
+    std::size_t piece;
+    std::optional<Cut> cut;
+    double loss;
+  };
+  double loss_of_first_step(const std::vector<Set>& pieces, const std::vector<double>& losses,
+                            std::size_t allowed);
+  double search_first(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
+  double list_first_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
+  [[nodiscard]] std::optional<First> choose_first(bool dive);
+
   // and_or_search.cpp
   template <class Report>
   double solve(const Set& piece, std::size_t allowed, Report&& report);
@@ -129,6 +165,8 @@ class AndOrSearch {
   std::size_t mark_wanted_sizes(std::size_t parts, double here, double limit, double& skipped);
   void offer_cut(const Set& piece, std::size_t parts, std::size_t allowed, double limit,
                  double here, const Set& side, std::size_t side_parts, double& skipped);
+  void add_cut(const Set& side, std::size_t side_parts, const Set& rest, std::size_t rest_parts,
+               std::size_t allowed, double own_loss, double limit, double& skipped);
   template <class Offer>
   void list_sides(const Set& piece, std::size_t parts, std::size_t largest, Offer&& offer);
   template <class Offer>
@@ -241,6 +279,8 @@ class AndOrSearch {
   const Problem& problem_;
   Expander expander_;
   const PieceGains& gains_;
+  /// Null where the last step completes.
+  const FirstSteps* first_;
   const AssemblyGraph& graph_;
   bool along_forest_;
   const Budget& budget_;

@@ -46,6 +46,10 @@ bool AndOrSearch<kWords>::take(ConnectionIndex connection, Steps& steps) {
 /// left to the end, whether it is one of these or joins two parts.
 template <std::size_t kWords>
 void AndOrSearch<kWords>::take_loops(Steps& steps) {
+  if (first_) {
+    for (const ConnectionIndex c : graph_.loops()) static_cast<void>(take(c, steps));
+    return;
+  }
   double best_last = -kInfinity;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c)
     best_last = std::max(best_last, expander_.completion_surplus(c));
@@ -127,10 +131,27 @@ std::vector<ConnectionIndex> AndOrSearch<kWords>::sequence(bool dive) {
   const std::size_t connections = problem_.num_connections();
   lift_limits();
   Steps steps{ConnectionSet::all(connections), {}};
+  std::optional<First> first;
+  if (first_) {
+    first = choose_first(dive);
+    if (!first || !take(first->connection, steps)) return {};
+  }
   take_loops(steps);
   // The pieces that are still to be taken apart, one after the other; the last one is at hand.
   std::vector<Half> waiting;
-  for (const Set& piece : pieces_) waiting.push_back({piece, piece.size(), allowed_});
+  const auto wait_for = [&](const std::array<Half, 2>& sides, const Cut& cut) {
+    waiting.push_back(sides[cut.side_waits ? 0 : 1]);
+    waiting.push_back(sides[cut.side_waits ? 1 : 0]);
+  };
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (first && first->cut && i == first->piece) continue;
+    waiting.push_back({pieces_[i], pieces_[i].size(), allowed_});
+  }
+  if (first && first->cut) {
+    const Set& piece = pieces_[first->piece];
+    const std::size_t allowed = limited_ ? useful(allowed_, piece.size()) : allowed_;
+    wait_for(halves(piece, piece.size(), allowed, *first->cut), *first->cut);
+  }
   while (!waiting.empty()) {
     const Half piece = waiting.back();
     waiting.pop_back();
@@ -140,8 +161,7 @@ std::vector<ConnectionIndex> AndOrSearch<kWords>::sequence(bool dive) {
     if (!cut) return {};
     const std::array<Half, 2> sides = halves(piece.set, piece.parts, allowed, *cut);
     if (!take_cut(*cut, sides[1].set, steps)) return {};
-    waiting.push_back(sides[cut->side_waits ? 0 : 1]);
-    waiting.push_back(sides[cut->side_waits ? 1 : 0]);
+    wait_for(sides, *cut);
   }
   // What is left are connections of a part to itself, and those that only precedence held back.
   bool moving = true;

@@ -50,6 +50,7 @@ std::string quoted_ids(const Problem& problem, const Indices& indices) {
 }
 
 ordered_json constraints_json(const Problem& problem) {
+  const bool assembly = problem.direction() == Direction::Assembly;
   ordered_json list = ordered_json::array();
   const auto add = [&](Constraint kind, std::string where, std::string text) {
     list.push_back({constraint_name(kind), std::move(where), std::move(text)});
@@ -59,11 +60,20 @@ ordered_json constraints_json(const Problem& problem) {
     const std::string id = in_quotes(problem.connection_id(clause.connection));
     if (!clause.after.empty())
       add(Constraint::Precedence, where,
-          fmt::format("{} comes off only after {}", id, quoted_ids(problem, clause.after)));
+          id + (assembly ? " is made before " : " comes off only after ") +
+              quoted_ids(problem, clause.after));
     if (!clause.after_any.empty())
       add(Constraint::PrecedenceAny, where,
-          fmt::format("{} comes off only after at least one of {}", id,
-                      quoted_ids(problem, clause.after_any)));
+          id +
+              (assembly ? " is made before at least one of "
+                        : " comes off only after at least one of ") +
+              quoted_ids(problem, clause.after_any));
+    if (!clause.made_after_any.empty())
+      add(Constraint::PrecedenceMadeAny, where,
+          id +
+              (assembly ? " is made only after at least one of "
+                        : " comes off while one is there of ") +
+              quoted_ids(problem, clause.made_after_any));
   }
   const Limits& limits = problem.limits();
   if (limits.max_subassemblies)

@@ -1,0 +1,131 @@
+#include "orasp/planners/detail/and_or_search.h"
+
+namespace orasp::detail {
+
+PieceProblem::PieceProblem(const TransitionSystem& the_system)
+    : system(the_system), gains(the_system), graph(the_system.problem()) {
+  if (!system.completes_first() || !gains.known()) return;
+  FirstSteps& steps = first.emplace();
+  Expander expander(system);
+  const SetView start = system.start().view();
+  const auto span = expander.legal_actions(start);
+  const std::vector<Action> legal(span.begin(), span.end());
+  for (const auto& [connection, reward] : legal) {
+    Step step = expander.step(start, connection);
+    double surplus = reward - gains.own(connection);
+    if (step.separates) {
+      const double gain = expander.cut_gain(step.a, step.b, connection).value_or(-kInfinity);
+      surplus -= gain;
+      steps.cuts.push_back({connection, surplus, gain, std::move(step.a)});
+    } else if (!steps.without_cut || surplus > steps.without_cut->surplus) {
+      steps.without_cut = FirstSteps::WithoutCut{connection, surplus};
+    }
+    steps.most = std::max(steps.most, surplus);
+  }
+}
+
+/// What a plan loses by its first step beside the losses of the pieces: the first step earns less
+/// than the greatest surplus, or its cut is not the best one of its piece. Exact where the search
+/// does not have to stop, else a lower bound.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::loss_of_first_step(const std::vector<Set>& pieces,
+                                               const std::vector<double>& losses,
+                                               std::size_t allowed) {
+  double least = first_->without_cut ? first_->most - first_->without_cut->surplus : kInfinity;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const std::size_t parts = pieces[i].size();
+    scale_ = upper(pieces[i], parts);
+    double limit = losses[i] + slack(scale_);
+    double step = slack(scale_);
+    while (true) {
+      try_is_over_ = false;
+      try_ends_at_ = std::numeric_limits<std::uint64_t>::max();
+      const double loss = search_first(pieces[i], parts, allowed, limit);
+      if (result_.stop != Stop::None || run_is_over_) return 0;
+      if (loss <= limit) least = std::min(least, loss - losses[i]);
+      if (loss <= limit || loss - losses[i] >= least || loss == kInfinity) break;
+      step *= 2;
+      limit = std::max(loss, limit + step) + slack(scale_);
+    }
+  }
+  return std::max(0.0, least);
+}
+
+/// As search(), for a piece whose cut is the first step of all.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::search_first(const Set& piece, std::size_t parts, std::size_t allowed,
+                                         double limit) {
+  if (limited_) allowed = useful(allowed, parts);
+  const std::size_t begin = cuts_.size();
+  const double skipped = list_first_cuts(piece, parts, allowed, limit);
+  sort_cuts(begin);
+  const auto [best, next] = least_loss(piece, parts, allowed, limit, begin, skipped);
+  cuts_.resize(begin);
+  return best < kInfinity ? best : std::max(next, std::nextafter(limit, kInfinity));
+}
+
+/// As list_cuts(), for first steps: those of `piece`, in the order of FirstSteps::cuts.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::list_first_cuts(const Set& piece, std::size_t parts,
+                                            std::size_t allowed, double limit) {
+  const double here = upper(piece, parts) + first_->most;
+  double skipped = kInfinity;
+  for (const FirstSteps::Cut& cut : first_->cuts) {
+    if (!piece.contains(cut.a.front())) continue;
+    Set side;
+    for (const PartIndex part : cut.a) side.insert(part);
+    const Set rest = piece - side;
+    const std::size_t rest_parts = parts - cut.a.size();
+    const double own =
+        here - cut.gain - cut.surplus - upper(side, cut.a.size()) - upper(rest, rest_parts);
+    add_cut(side, cut.a.size(), rest, rest_parts, allowed, own, limit, skipped);
+  }
+  return skipped;
+}
+
+/// The first step of a plan; empty where none is known. With `dive` as in sequence().
+template <std::size_t kWords>
+auto AndOrSearch<kWords>::choose_first(bool dive) -> std::optional<First> {
+  std::optional<First> best;
+  if (const auto& step = first_->without_cut)
+    best = First{step->connection, pieces_.size(), std::nullopt, first_->most - step->surplus};
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const Set& piece = pieces_[i];
+    const std::size_t parts = piece.size();
+    const std::size_t allowed = limited_ ? useful(allowed_, parts) : allowed_;
+    const double loss = known_loss(piece, parts, allowed);
+    cuts_.clear();
+    static_cast<void>(list_first_cuts(piece, parts, allowed, kInfinity));
+    for (const Cut& cut : cuts_) {
+      const std::array<Half, 2> sides = halves(piece, parts, allowed, cut);
+      const bool solved =
+          is_exact(sides[0].set, sides[0].allowed) && is_exact(sides[1].set, sides[1].allowed);
+      if (!solved && !dive) continue;
+      if (best && cut.estimate - loss >= best->loss) continue;
+      const auto same = std::ranges::find_if(first_->cuts, [&](const FirstSteps::Cut& one) {
+        return cut.side.size() == one.a.size() && cut.side.contains(one.a.front()) &&
+               std::ranges::all_of(one.a, [&](PartIndex part) { return cut.side.contains(part); });
+      });
+      best = First{same->connection, i, cut, cut.estimate - loss};
+    }
+  }
+  return best;
+}
+
+template double AndOrSearch<1>::loss_of_first_step(const std::vector<Set>&,
+                                                   const std::vector<double>&, std::size_t);
+template double AndOrSearch<2>::loss_of_first_step(const std::vector<Set>&,
+                                                   const std::vector<double>&, std::size_t);
+template double AndOrSearch<4>::loss_of_first_step(const std::vector<Set>&,
+                                                   const std::vector<double>&, std::size_t);
+template double AndOrSearch<8>::loss_of_first_step(const std::vector<Set>&,
+                                                   const std::vector<double>&, std::size_t);
+template double AndOrSearch<16>::loss_of_first_step(const std::vector<Set>&,
+                                                    const std::vector<double>&, std::size_t);
+template std::optional<AndOrSearch<1>::First> AndOrSearch<1>::choose_first(bool);
+template std::optional<AndOrSearch<2>::First> AndOrSearch<2>::choose_first(bool);
+template std::optional<AndOrSearch<4>::First> AndOrSearch<4>::choose_first(bool);
+template std::optional<AndOrSearch<8>::First> AndOrSearch<8>::choose_first(bool);
+template std::optional<AndOrSearch<16>::First> AndOrSearch<16>::choose_first(bool);
+
+}  // namespace orasp::detail
