@@ -97,8 +97,29 @@ class Truth {
       if (facts.legal()) steps.push_back(std::move(facts));
     }
     const auto late = [&](const oracle::Facts& step) { return has(now_.late, step.connection); };
-    if (!std::ranges::all_of(steps, late)) std::erase_if(steps, late);
+    const bool others = std::ranges::any_of(steps, [&](const oracle::Facts& step) {
+      if (late(step)) return false;
+      oracle::State next = open;
+      next[step.connection] = false;
+      return reaches_end(next);
+    });
+    if (others) std::erase_if(steps, late);
     return steps;
+  }
+
+  /// Whether the rest can be done from here, in any order.
+  [[nodiscard]] bool reaches_end(const oracle::State& open) const {
+    if (static_cast<std::size_t>(std::ranges::count(open, true)) == kept_) return true;
+    const auto known = reaches_.find(open);
+    if (known != reaches_.end()) return known->second;
+    bool reaches = false;
+    for (std::size_t c = 0; c < size() && !reaches; ++c) {
+      if (!open[c] || has(now_.inaccessible, c) || !world_.facts(open, c, kept_).legal()) continue;
+      oracle::State next = open;
+      next[c] = false;
+      reaches = reaches_end(next);
+    }
+    return reaches_[open] = reaches;
   }
 
   double best(const oracle::State& open) {
@@ -121,6 +142,7 @@ class Truth {
   std::size_t kept_ = 0;
   double best_ = 0;
   std::map<oracle::State, double> values_;
+  mutable std::map<oracle::State, bool> reaches_;
 };
 
 /// Each connection with a chance of one in `in`.

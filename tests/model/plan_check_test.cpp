@@ -57,6 +57,18 @@ Constraint constraint_of(oracle::Rule rule) {
   return Constraint::NotOpen;
 }
 
+bool may_shut_out(const ProblemSpec& spec) {
+  const Limits& limits = spec.limits;
+  const auto any = [&](auto&& list) {
+    return std::ranges::any_of(spec.precedence,
+                               [&](const Precedence& entry) { return !list(entry).empty(); });
+  };
+  return limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass ||
+         (spec.blocking && !spec.blocking->blocked.empty()) ||
+         (any([](const Precedence& entry) { return entry.after_any; }) &&
+          any([](const Precedence& entry) { return entry.made_after_any; }));
+}
+
 Truth truth_of(const ProblemSpec& spec, const Situation& now, const Sequence& sequence) {
   oracle::World world(spec);
   const std::size_t connections = world.num_connections();
@@ -95,7 +107,9 @@ Truth truth_of(const ProblemSpec& spec, const Situation& now, const Sequence& se
         if (!facts.too_late.contains(rule)) broken.insert(constraint_of(rule));
       }
       if (open == start && now.not_next.contains(c)) broken.insert(Constraint::NotNext);
-      for (ConnectionIndex other = 0; now.late.contains(c) && other < connections; ++other) {
+      // Where steps may shut something out, when a late one may come takes a search to say.
+      const bool late = now.late.contains(c) && !may_shut_out(spec);
+      for (ConnectionIndex other = 0; late && other < connections; ++other) {
         if (open[other] && !now.inaccessible.contains(other) && !now.late.contains(other) &&
             !(open == start && now.not_next.contains(other)) &&
             world.facts(open, other, kept).legal())

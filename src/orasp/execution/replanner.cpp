@@ -26,6 +26,13 @@ bool same_limits(const Limits& a, const Limits& b) {
          a.max_moved_mass == b.max_moved_mass;
 }
 
+/// Whether a legal step may leave no way to the end.
+bool may_shut_out(const Problem& problem) {
+  const Limits& limits = problem.limits();
+  return !problem.precedence().empty() || problem.directions() != 0 || limits.max_subassemblies ||
+         limits.max_moved_parts || limits.max_moved_mass;
+}
+
 }  // namespace
 
 /// A problem under one choice of limits and, where it fits, H with every state's best reward still
@@ -330,11 +337,13 @@ Result Replanner::plan(const Budget& budget) {
   const auto limit = held.problem.limits().max_subassemblies;
   const bool assembly = held.problem.direction() == Direction::Assembly;
   const bool ordered = !held.problem.precedence().empty();
-  if (!from || (assembly && (limit || ordered) && !kept.empty())) {
+  // What is late may come sooner where that alone leaves a way to the end.
+  const bool may_be_sooner = !now.late.empty() && may_shut_out(held.problem);
+  if (!from || may_be_sooner || (assembly && (limit || ordered) && !kept.empty())) {
     // In assembly what is left out may leave the product itself in too many subassemblies, and what
     // had to be made before others need not be any more.
     const TransitionSystem left(held.problem, now);
-    if (!from || ordered || left.infeasibility()) {
+    if (!from || ordered || may_be_sooner || left.infeasibility()) {
       Result result = held.problem.uncertain() ? uncertain_value_iteration(left, {}, budget)
                                                : automatic(left, 1, budget);
       result.statistics.seconds = watch.seconds();

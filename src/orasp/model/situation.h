@@ -22,8 +22,9 @@ struct Situation {
   /// done, and the step that reaches it completes.
   ConnectionSet inaccessible{};
   ConnectionSet not_next{};  ///< cannot be the next step, but may be a later one
-  /// Handled only in states in which nothing else is legal: connections of a part that arrives
-  /// late.
+  /// Handled only in states in which nothing else can be: connections of a part that arrives late.
+  /// What is legal now but leaves no way to the goal, because it shuts something out, is not among
+  /// what can be done.
   ConnectionSet late{};
 
   [[nodiscard]] static Situation whole(std::size_t connections) {

@@ -16,7 +16,8 @@ using detail::Movement;
 using detail::Side;
 using detail::StepFacts;
 
-Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules)
+Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules,
+                           const TransitionSystem* any_order)
     : problem(the_problem),
       rules(the_rules),
       present_words(the_rules.words),
@@ -30,6 +31,7 @@ Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::R
     terms.push_back({addend.weight, term, std::move(own)});
   }
   if (rules.one_counting_term) size_costs = terms.front().term->size_costs();
+  if (any_order != nullptr) in_any_order = std::make_unique<Expander>(*any_order);
 }
 
 SetView Expander::Scratch::present(SetView open) {
@@ -222,8 +224,7 @@ std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
 }
 
 // Leaves out what cannot be next, and what is late while something else can be done.
-inline std::span<const Action> Expander::Scratch::in_order(SetView open,
-                                                           std::span<Action> legal) const {
+inline std::span<const Action> Expander::Scratch::in_order(SetView open, std::span<Action> legal) {
   if (!rules.ordered) return legal;
   const auto is_late = [&](const Action& action) { return rules.late.contains(action.connection); };
   auto end = legal.end();
@@ -232,14 +233,68 @@ inline std::span<const Action> Expander::Scratch::in_order(SetView open,
       return rules.not_next.contains(action.connection);
     });
   }
-  if (!std::all_of(legal.begin(), end, is_late)) end = std::remove_if(legal.begin(), end, is_late);
+  const bool others = std::any_of(legal.begin(), end, [&](const Action& action) {
+    return !is_late(action) && goes_on(open, action.connection);
+  });
+  if (others) end = std::remove_if(legal.begin(), end, is_late);
   return {legal.begin(), end};
+}
+
+// Whether the goal can be reached after a legal step, in any order. As far as is known: it is
+// assumed where finding out takes too long.
+bool Expander::Scratch::goes_on(SetView open, ConnectionIndex c) {
+  if (in_any_order == nullptr) return true;
+  ConnectionSet next(problem.num_connections(), open);
+  next.erase(c);
+  return goal_in_reach(std::move(next));
+}
+
+// Depth first, with a memory of states.
+bool Expander::Scratch::goal_in_reach(ConnectionSet from) {
+  constexpr std::size_t kMostStates = 200'000;
+  struct Frame {
+    ConnectionSet state;
+    std::vector<Action> untried;
+  };
+  std::vector<Frame> path;
+  const auto known = [this](const ConnectionSet& state) -> std::optional<bool> {
+    if (state.empty() || leads_to_goal.size() > kMostStates) return true;
+    const auto found = leads_to_goal.find(state);
+    return found == leads_to_goal.end() ? std::nullopt : std::optional(found->second);
+  };
+  const auto enter = [&](ConnectionSet state) {
+    const auto span = in_any_order->legal_actions(state.view());
+    path.push_back({std::move(state), {span.begin(), span.end()}});
+  };
+  if (const auto answer = known(from)) return *answer;
+  enter(std::move(from));
+  while (!path.empty()) {
+    Frame& at = path.back();
+    if (at.untried.empty()) {
+      leads_to_goal.emplace(std::move(at.state), false);
+      path.pop_back();
+      continue;
+    }
+    ConnectionSet next = at.state;
+    next.erase(at.untried.back().connection);
+    at.untried.pop_back();
+    const auto answer = known(next);
+    if (!answer) {
+      enter(std::move(next));
+    } else if (*answer) {
+      for (Frame& frame : path) leads_to_goal.emplace(std::move(frame.state), true);
+      return true;
+    }
+  }
+  return false;
 }
 
 // -------------------------------------------------------------------------------------------------
 
 Expander::Expander(const TransitionSystem& system)
-    : system_(system), scratch_(std::make_unique<Scratch>(system.problem_, *system.rules_)) {}
+    : system_(system),
+      scratch_(
+          std::make_unique<Scratch>(system.problem_, *system.rules_, system.in_any_order_.get())) {}
 Expander::~Expander() = default;
 Expander::Expander(Expander&&) noexcept = default;
 
@@ -303,7 +358,7 @@ std::optional<ConnectionIndex> Expander::Scratch::waiting(SetView open, Connecti
   std::optional<ConnectionIndex> other;
   for_each_connection(open, [&](ConnectionIndex candidate) {
     if (!other && !rules.late.contains(candidate) && !ruled_out_first(open, candidate) &&
-        constraints_met(open, candidate))
+        constraints_met(open, candidate) && goes_on(open, candidate))
       other = candidate;
   });
   return other;
@@ -332,7 +387,12 @@ TransitionSystem::TransitionSystem(const Problem& problem, const Situation& situ
     : problem_(problem),
       rules_(std::make_unique<const Rules>(problem, situation, walk)),
       situation_(situation),
-      num_steps_(rules_->start.size()) {}
+      num_steps_(rules_->start.size()) {
+  if (rules_->late.empty() || !rules_->may_shut_out) return;
+  Situation in_any_order = situation;
+  in_any_order.not_next = in_any_order.late = ConnectionSet(problem.num_connections());
+  in_any_order_ = std::make_unique<const TransitionSystem>(problem, in_any_order);
+}
 TransitionSystem::~TransitionSystem() = default;
 
 TransitionSystem TransitionSystem::backwards() const {

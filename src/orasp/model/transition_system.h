@@ -197,6 +197,8 @@ class TransitionSystem {
 
   const Problem& problem_;
   std::unique_ptr<const Rules> rules_;
+  /// Where something is late and legal steps may shut something out: the same without any order.
+  std::unique_ptr<const TransitionSystem> in_any_order_;
   Situation situation_;
   std::size_t num_steps_;
 };

@@ -94,6 +94,11 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
     }
     if (!found.empty()) {
       std::vector<Violation> violations = expander.violations(open.view(), indices[i]);
+      if (!replay.late_judged) {
+        std::erase_if(violations, [](const Violation& violation) {
+          return violation.constraint == Constraint::Late;
+        });
+      }
       expect_agreement(found, violations, i + 1, id);
       for (Violation& violation : violations)
         evaluation.violations.push_back({i + 1, id, std::move(violation)});

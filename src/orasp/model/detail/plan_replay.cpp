@@ -98,6 +98,7 @@ class Replayer {
   void make(const Made& step);
   void list_sides(Step& step, PartIndex a, PartIndex b, Piece& piece_a, Piece& piece_b) const;
   void judge_order(const Made& step);
+  [[nodiscard]] bool may_shut_out() const;
   [[nodiscard]] bool can_be_handled(ConnectionIndex c, std::size_t time);
   [[nodiscard]] bool cut_allowed_apart(ConnectionIndex c, std::size_t time);
   void judge_start();
@@ -564,7 +565,9 @@ bool Replayer::cut_allowed_apart(ConnectionIndex c, std::size_t time) {
 void Replayer::judge_order(const Made& step) {
   if (step.place == 0 && situation_.not_next.contains(step.connection))
     fault(step, Constraint::NotNext);
-  if (!situation_.late.contains(step.connection) || last_ordinary_ < step.time) return;
+  if (!replay_.late_judged || !situation_.late.contains(step.connection) ||
+      last_ordinary_ < step.time)
+    return;
   for (const ConnectionIndex other : ordinary_) {
     if (handled_at_[other] < step.time) continue;
     if (step.place == 0 && situation_.not_next.contains(other)) continue;
@@ -590,7 +593,22 @@ void Replayer::judge_start() {
   replay_.faults.push_back(details);
 }
 
+// Whether a step that breaks no rule may leave no way to the end.
+bool Replayer::may_shut_out() const {
+  const Limits& limits = problem_.limits();
+  const auto any = [this](auto&& list) {
+    return std::ranges::any_of(problem_.precedence(), [&](const PrecedenceClause& clause) {
+      return !list(clause).empty();
+    });
+  };
+  return limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass ||
+         std::ranges::any_of(problem_.blockers(), [](const auto& list) { return !list.empty(); }) ||
+         (any([](const auto& clause) -> const auto& { return clause.after_any; }) &&
+          any([](const auto& clause) -> const auto& { return clause.made_after_any; }));
+}
+
 PlanReplay Replayer::run() {
+  replay_.late_judged = !may_shut_out();
   find_times();
   judge_precedence();
   start_pieces();

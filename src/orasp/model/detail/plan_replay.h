@@ -27,6 +27,9 @@ struct PlanReplay {
   std::vector<Step> steps;  ///< those that could be made, where they were asked for
   double reward = 0;
   double tolerance = 0;  ///< see PlanCheck
+  /// Whether it was judged that late steps come when nothing else can be done. That is left out
+  /// where a legal step may shut something out, since then it takes a search.
+  bool late_judged = true;
 };
 
 /// Replays a plan.

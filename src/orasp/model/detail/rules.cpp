@@ -71,6 +71,10 @@ Rules::Rules(const Problem& problem, const Situation& situation, Walk walk)
   one_counting_term =
       terms.size() == 1 && terms[0].weight == 1 && !needs_movement && !checks_rewards;
   needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value();
+  const bool from_both_ends = !made_any.empty() && std::ranges::any_of(any, [](const auto& lists) {
+    return !lists.empty();
+  });
+  may_shut_out = cuts_checked || from_both_ends;
   set_situation(situation);
 }
 

@@ -74,6 +74,8 @@ struct Rules {
   std::size_t num_steps = 0;  ///< connections of `start`
   bool whole = true;          ///< everything is to be handled and in any order that is legal
   bool ordered = false;       ///< something cannot be next or is late
+  /// Whether a legal step may lead to a state from which the goal cannot be reached.
+  bool may_shut_out = false;
 
   Rules(const Problem& problem, const Situation& situation, Walk walk);
   [[nodiscard]] bool precedence_met(SetView open, ConnectionIndex c) const;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "orasp/model/detail/connectivity.h"
@@ -54,8 +55,12 @@ struct Expander::Scratch {
   std::vector<unsigned char> mark;  ///< by part; all 0 between uses
   std::vector<PartIndex> fill_a;
   std::vector<PartIndex> fill_b;
+  /// For late connections: steps in any order, and what is known of whether states lead to the goal.
+  std::unique_ptr<Expander> in_any_order;
+  std::unordered_map<ConnectionSet, bool> leads_to_goal;
 
-  Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules);
+  Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules,
+          const TransitionSystem* any_order);
 
   [[nodiscard]] SetView present(SetView open);
   [[nodiscard]] std::span<const std::uint64_t> present_of_all(
@@ -71,10 +76,12 @@ struct Expander::Scratch {
   template <class Reward>
   [[nodiscard]] std::span<Action> removals(SetView open, Reward&& reward_of);
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
-  [[nodiscard]] std::span<const Action> in_order(SetView open, std::span<Action> legal) const;
+  [[nodiscard]] std::span<const Action> in_order(SetView open, std::span<Action> legal);
   [[nodiscard]] bool constraints_met(SetView open, ConnectionIndex c);
   [[nodiscard]] bool ruled_out_first(SetView open, ConnectionIndex c) const;
   [[nodiscard]] std::optional<ConnectionIndex> waiting(SetView open, ConnectionIndex c);
+  [[nodiscard]] bool goes_on(SetView open, ConnectionIndex c);
+  [[nodiscard]] bool goal_in_reach(ConnectionSet from);
 };
 
 [[gnu::always_inline]] inline detail::StepFacts Expander::Scratch::counts(
