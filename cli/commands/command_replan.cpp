@@ -19,6 +19,7 @@
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
 #include "orasp/execution/replanner.h"
+#include "orasp/execution/waiting.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/model/validate.h"
 
@@ -192,6 +193,65 @@ std::string changes_text(const Problem& problem, const Changes& changes, const C
   return text;
 }
 
+std::vector<ConnectionIndex> listed(const ConnectionSet& set) {
+  std::vector<ConnectionIndex> list;
+  for_each_connection(set.view(), [&](ConnectionIndex c) { list.push_back(c); });
+  return list;
+}
+
+/// What lost parts keep from being done.
+struct Missing {
+  std::optional<ConnectionSet> waiting;  ///< nothing where no part is lost
+  bool given_up = false;                 ///< even with the parts the job could not be finished
+};
+
+Missing missing_parts(const Problem& problem, const ReplanOptions& options, const Situation& now) {
+  if (options.lost_parts.empty()) return {};
+  const ConnectionSet lost = connections_of_parts(problem, options.lost_parts, "--lost-part");
+  std::optional<ConnectionSet> waiting =
+      waiting_for(problem, now, lost, make_budget(options.limits));
+  if (waiting) return {std::move(waiting), false};
+  return {lost, true};
+}
+
+/// What is done before late parts are there, and what waits for lost ones.
+std::string waiting_text(const Task& task, const Missing& missing, const ReplanOptions& options,
+                         const Result& result, const Context& context) {
+  const Problem& problem = task.problem;
+  std::string text;
+  const auto ids = [&](const std::vector<ConnectionIndex>& connections) {
+    std::vector<std::string> names;
+    for (const ConnectionIndex c : connections) names.push_back(problem.connection_id(c));
+    return capped_list(names, context.width() > 60 ? context.width() - 24 : 36);
+  };
+  const auto parts = [](const std::string& list) {
+    std::string names;
+    for (const std::string& id : comma_separated(list))
+      names += (names.empty() ? "" : ", ") + in_quotes(id);
+    return names;
+  };
+  if (missing.waiting && !missing.waiting->empty()) {
+    const std::vector<ConnectionIndex> waiting = listed(*missing.waiting);
+    if (missing.given_up) {
+      text += fmt::format("\ngiven up for {}: {}\n  even with it the rest could not be finished\n",
+                          parts(options.lost_parts), ids(waiting));
+    } else {
+      text += fmt::format("\nwaiting for {}: {}\n  {}\n", parts(options.lost_parts), ids(waiting),
+                          result.has_plan() ? "once it is there, all of this can be done"
+                                            : "nothing can be done before");
+    }
+  }
+  const auto first_late = std::ranges::find_if(
+      result.sequence, [&](ConnectionIndex c) { return task.situation.late.contains(c); });
+  if (first_late != result.sequence.end()) {
+    const auto before = static_cast<std::size_t>(first_late - result.sequence.begin());
+    text += fmt::format("\n{} before {} must be there; step {}, {}, is the first that needs it\n",
+                        counted(before, "step"), parts(options.late_parts), before + 1,
+                        in_quotes(problem.connection_id(*first_late)));
+  }
+  return text;
+}
+
 Settings settings_of(const ReplanOptions& options) {
   Settings settings;
   const auto note = [&](const char* name, const std::string& ids) {
@@ -267,8 +327,9 @@ int run(const ReplanOptions& options, const Context& context) {
   for_each_connection(connections_called(problem, options.removed, "--removed").view(),
                       no_longer_open);
   now.inaccessible = connections_called(problem, options.inaccessible, "--inaccessible");
-  insert_all(now.inaccessible, connections_of_parts(problem, options.lost_parts, "--lost-part"));
   now.not_next = connections_called(problem, options.not_next, "--not-next");
+  const Missing missing = missing_parts(problem, options, now);
+  if (missing.waiting) insert_all(now.inaccessible, *missing.waiting);
   now.late = connections_of_parts(problem, options.late_parts, "--late-part");
 
   const Task task(problem, now);
@@ -294,6 +355,7 @@ int run(const ReplanOptions& options, const Context& context) {
     changes = changes_between(problem, now, old, result);
     more["changes"] = changes_json(problem, *changes);
   }
+  if (missing.waiting) more["waiting"] = ids_json(problem, listed(*missing.waiting)).dump();
   if (why) more["conflict"] = conflict_json(why->conflict).dump();
   const std::string plan = plan_text(task, result, settings_of(options), nullptr, more);
   if (!options.output.empty()) {
@@ -308,6 +370,7 @@ int run(const ReplanOptions& options, const Context& context) {
     return exit_code(result);
   }
   std::string text = plan_summary(task, options.problem, result, context);
+  text += waiting_text(task, missing, options, result, context);
   if (changes) text += changes_text(problem, *changes, context);
   if (why && !why->conflict.empty()) text += '\n' + conflict_text(*why);
   if (!result.notes.empty()) text += '\n';
@@ -340,11 +403,12 @@ CommandWork replan_command(CommandLine& line) {
             "Connections that cannot be the next step, but may be a later one (default: none).",
             options.not_next);
   line.text("--lost-part", "IDS",
-            "Parts that are lost: their open connections are inaccessible (default: none).",
+            "Parts that are lost: their open connections wait, and what comes after them or would "
+            "shut them out (default: none).",
             options.lost_parts);
   line.text("--late-part", "IDS",
-            "Parts that arrive late: their connections wait until nothing else can be done "
-            "(default: none).",
+            "Parts that arrive late: their connections wait until nothing else can be done that "
+            "leaves a way to the end (default: none).",
             options.late_parts);
   add_problem_options(line, options.changes);
   add_limit_options(line, options.limits);

@@ -46,6 +46,28 @@ class Replan(Case):
         self.assertEqual(sorted(order("--lost-part", "2")), ["3-4"])
         self.assertEqual(order("--direction", "assembly", "--made", "1-2", "--inaccessible", "3-4"), ["2-3"])
 
+    @smoke
+    def test_a_late_or_lost_part_shuts_no_door(self):
+        # A pen: the ink lies between head and button, the cap goes over the head.
+        pen = self.file("pen.json", json.dumps({
+            "format": "orasp-problem/1", "direction": "assembly",
+            "parts": [{"id": part} for part in ("body", "ink", "head", "button", "cap")],
+            "connections": [{"parts": ["body", part]} for part in ("ink", "head", "button", "cap")],
+            "precedence": [{"connection": "body-cap", "made_after": ["body-head"]}],
+            "blocking": {"directions": ["+x", "-x"], "blocked": [{"part": "ink", "by": "head", "directions": ["+x"]},
+                                                                {"part": "ink", "by": "button", "directions": ["-x"]}]}}))
+        answer = orasp("replan", pen, "--lost-part", "head")
+        self.check(answer, 0, out=r'waiting for "head": body-head, body-cap\n  once it is there, all of this can be done\n')
+        found = json.loads(orasp("replan", pen, "--lost-part", "head", "--json").out)
+        self.assertEqual(found["waiting"], ["body-head", "body-cap"])
+        self.assertEqual(sorted(found["assembly"]), ["body-button", "body-ink"])
+        answer = orasp("replan", pen, "--late-part", "head")
+        self.check(answer, 0, out=r'2 steps before "head" must be there; step 3, "body-head", is the first that needs it\n')
+        # Both ends are shut already: the ink can never go in, with or without it.
+        answer = orasp("replan", pen, "--made", "body-head,body-button", "--lost-part", "ink")
+        self.check(answer, 0, out=r'given up for "ink": body-ink\n  even with it the rest could not be finished\n')
+        self.check(orasp("replan", pen, "--made", "body-head,body-button", "--late-part", "ink"), 10)
+
     def test_no_plan_is_ten_and_names_what_is_inaccessible(self):
         path = self.file("after.json", assembly(["1-2", "2-3"], precedence=[{"connection": "1-2", "after": ["2-3"]}]))
         answer = orasp("replan", path, "--inaccessible", "2-3")

@@ -14,6 +14,7 @@
 
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/catalogue.h"
+#include "orasp/execution/waiting.h"
 #include "orasp/explain/explain_problem.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/scenarios.h"
@@ -310,6 +311,136 @@ TEST_P(InTheMiddle, ReplannerEqualsBruteForceThroughChangesOfEveryKind) {
     }
   }
   EXPECT_EQ(changes.size(), 4U);
+}
+
+ConnectionSet connections_of(const Problem& problem, PartIndex part) {
+  ConnectionSet set(problem.num_connections());
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if (std::ranges::count(problem.ends(c), part) > 0) set.insert(c);
+  }
+  return set;
+}
+
+// Whatever part is lost at whatever moment: if the job can be finished with it at all, what does not
+// wait can be done, the rest after it, and nothing more could be done before.
+TEST(Waiting, LeavesAWayToTheEndWheneverThereIsOne) {
+  std::map<std::string, int> seen;
+  for (std::uint64_t seed = 0; seed < some_of(400U); ++seed) {
+    ProblemSpec spec = random_problem(seed);
+    for (Connection& connection : spec.connections) connection.on_failure = {};
+    for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+      spec.direction = direction;
+      SCOPED_TRACE(spec.name);
+      const Problem problem(spec);
+      SplitMix64 random(seed + 11);
+      Situation now = Situation::whole(problem.num_connections());
+      const TransitionSystem system(problem);
+      Expander expander(system);
+      for (std::uint64_t k = random.below(problem.num_connections() / 2 + 1); k > 0; --k) {
+        const auto legal = expander.legal_actions(now.open.view());
+        if (legal.empty()) break;
+        now.open.erase(legal[random.below(legal.size())].connection);
+      }
+      const Truth job(spec, now);
+      for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+        const ConnectionSet missing = connections_of(problem, part);
+        const auto waiting = waiting_for(problem, now, missing, Budget{});
+        bool touched = false;
+        for_each_connection(missing.view(),
+                            [&](ConnectionIndex c) { touched = touched || now.open.contains(c); });
+        if (!touched) {
+          ASSERT_TRUE(waiting && waiting->empty());
+          continue;
+        }
+        ASSERT_EQ(waiting.has_value(), job.best() != kNever);
+        if (!waiting) {
+          ++seen["never"];
+          continue;
+        }
+        Situation before = now;
+        before.inaccessible = *waiting;
+        const Result plan = solve(Task(problem, before), "auto", quick_options());
+        ASSERT_EQ(plan.status, Status::Optimal);
+        // From there the rest can be done, and without the part nothing more.
+        Situation rest = now;
+        for (const ConnectionIndex c : plan.sequence) {
+          EXPECT_FALSE(missing.contains(c));
+          rest.open.erase(c);
+        }
+        EXPECT_EQ(rest.open, *waiting);
+        EXPECT_NE(Truth(spec, rest).best(), kNever);
+        for_each_connection(rest.open.view(), [&](ConnectionIndex c) {
+          if (missing.contains(c) || !expander.legal(rest.open.view(), c)) return;
+          Situation next = rest;
+          next.open.erase(c);
+          EXPECT_EQ(Truth(spec, next).best(), kNever);
+        });
+        std::size_t lost = 0;
+        for_each_connection(rest.open.view(),
+                            [&](ConnectionIndex c) { lost += missing.contains(c) ? 1 : 0; });
+        ++seen[lost < rest.open.size() ? "others wait" : "nothing else waits"];
+        if (testing::Test::HasFailure()) return;
+      }
+    }
+  }
+  EXPECT_GE(seen["never"], more_than(200));
+  EXPECT_GE(seen["others wait"], more_than(200));
+  EXPECT_GE(seen["nothing else waits"], more_than(500));
+}
+
+// A pen: the ink lies in the body between head and button, and the cap goes over the head.
+TEST(Waiting, ThePenIsNotShutWithoutItsInkAndNotCappedWithoutItsHead) {
+  ProblemSpec spec;
+  spec.parts = {{.id = "body"}, {.id = "ink"}, {.id = "head"}, {.id = "button"}, {.id = "cap"}};
+  spec.connections = {{.parts = {"body", "ink"}},
+                      {.parts = {"body", "head"}},
+                      {.parts = {"body", "button"}},
+                      {.parts = {"body", "cap"}}};
+  spec.precedence = {{.connection = "body-cap", .made_after = {"body-head"}}};
+  spec.blocking = Blocking{{"+x", "-x"}, {{"ink", "head", {"+x"}}, {"ink", "button", {"-x"}}}};
+  spec.direction = Direction::Assembly;
+  const Problem problem(spec);
+  const Situation now = Situation::whole(4);
+  const auto waits = [&](const std::string& part) {
+    const auto waiting =
+        waiting_for(problem, now, connections_of(problem, problem.find_part(part, "")), Budget{});
+    std::set<std::string> ids;
+    for_each_connection(waiting.value().view(),
+                        [&](ConnectionIndex c) { ids.insert(problem.connection_id(c)); });
+    return ids;
+  };
+  EXPECT_EQ(waits("head"), (std::set<std::string>{"body-head", "body-cap"}));
+  EXPECT_EQ(waits("button"), (std::set<std::string>{"body-button"}));
+  EXPECT_EQ(waits("cap"), (std::set<std::string>{"body-cap"}));
+  // One end may be shut, not both; the button leaves more to do.
+  const std::set<std::string> without_ink = waits("ink");
+  EXPECT_TRUE(without_ink.contains("body-ink"));
+  EXPECT_TRUE(without_ink.contains("body-head") != without_ink.contains("body-button"));
+}
+
+// An arm joint: both horns are screwed on before the motor goes into the frame.
+TEST(Waiting, TheMotorWaitsForItsHorns) {
+  ProblemSpec spec;
+  spec.parts = {
+      {.id = "frame"}, {.id = "motor"}, {.id = "top horn"}, {.id = "bottom horn"}, {.id = "cover"}};
+  spec.connections = {{.id = "top", .parts = {"motor", "top horn"}},
+                      {.id = "bottom", .parts = {"motor", "bottom horn"}},
+                      {.id = "motor", .parts = {"frame", "motor"}},
+                      {.id = "cover", .parts = {"frame", "cover"}}};
+  spec.precedence = {{.connection = "motor", .made_after = {"top", "bottom"}},
+                     {.connection = "cover", .made_after = {"motor"}}};
+  spec.direction = Direction::Assembly;
+  const Problem problem(spec);
+  Replanner replanner(problem);
+  replanner.set_late(problem.find_part("top horn", ""), true);
+  EXPECT_EQ(replanner.plan().sequence, (std::vector<ConnectionIndex>{1, 0, 2, 3}));
+  replanner.set_late(problem.find_part("top horn", ""), false);
+  replanner.set_lost(problem.find_part("top horn", ""), true);
+  EXPECT_EQ(replanner.plan().sequence, std::vector<ConnectionIndex>{1});
+  replanner.done(1);
+  EXPECT_TRUE(replanner.plan().sequence.empty());
+  replanner.set_lost(problem.find_part("top horn", ""), false);
+  EXPECT_EQ(replanner.plan().sequence, (std::vector<ConnectionIndex>{0, 2, 3}));
 }
 
 TEST(Replanner, ConflictsAreFoundWhereAndOnlyWhereThereIsNoPlan) {

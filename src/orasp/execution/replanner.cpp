@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "orasp/execution/waiting.h"
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/graph/state_index.h"
@@ -19,6 +20,8 @@ namespace orasp {
 
 namespace {
 constexpr std::size_t kMostHeld = 4;
+/// Expansions to find what waits for lost parts.
+constexpr std::uint64_t kMostForWaiting = 200'000;
 constexpr std::string_view kMethod = "replanner";
 
 bool same_limits(const Limits& a, const Limits& b) {
@@ -235,12 +238,18 @@ Situation Replanner::situation() const {
   const Problem& now = problem();
   Situation situation{open_, inaccessible_, not_next_, ConnectionSet(now.num_connections())};
   if (lost_.empty() && late_.empty()) return situation;
+  ConnectionSet missing(now.num_connections());
   for (ConnectionIndex c = 0; c < now.num_connections(); ++c) {
     for (const PartIndex part : now.ends(c)) {
-      if (lost_.contains(part)) situation.inaccessible.insert(c);
+      if (lost_.contains(part)) missing.insert(c);
       if (late_.contains(part)) situation.late.insert(c);
     }
   }
+  if (missing.empty()) return situation;
+  Budget budget;
+  budget.max_expansions = kMostForWaiting;
+  const ConnectionSet waiting = waiting_for(now, situation, missing, budget).value_or(missing);
+  for_each_connection(waiting.view(), [&](ConnectionIndex c) { situation.inaccessible.insert(c); });
   return situation;
 }
 

@@ -55,7 +55,7 @@ struct Expander::Scratch {
   std::vector<unsigned char> mark;  ///< by part; all 0 between uses
   std::vector<PartIndex> fill_a;
   std::vector<PartIndex> fill_b;
-  /// For late connections: steps in any order, and what is known of whether states lead to the goal.
+  /// For late connections: steps in any order, and which states are known to lead to the goal.
   std::unique_ptr<Expander> in_any_order;
   std::unordered_map<ConnectionSet, bool> leads_to_goal;
 
