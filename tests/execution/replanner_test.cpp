@@ -321,8 +321,8 @@ ConnectionSet connections_of(const Problem& problem, PartIndex part) {
   return set;
 }
 
-// Whatever part is lost at whatever moment: if the job can be finished with it at all, what does not
-// wait can be done, the rest after it, and nothing more could be done before.
+// Whatever part is lost at whatever moment: if the job can be finished with it at all, what does
+// not wait can be done, the rest after it, and nothing more could be done before.
 TEST(Waiting, LeavesAWayToTheEndWheneverThereIsOne) {
   std::map<std::string, int> seen;
   for (std::uint64_t seed = 0; seed < some_of(400U); ++seed) {

@@ -69,9 +69,9 @@ class Replanner {
   void done(ConnectionIndex connection) { set_done(connection); }
   void set_accessible(ConnectionIndex connection, bool accessible);
   void set_possible_next(ConnectionIndex connection, bool possible);
-  /// None of the open connections of a lost part can be handled until it is replaced, and what comes
-  /// after them or would shut them out waits too (execution/waiting.h). Where the job could not be
-  /// finished even with the part, they are given up.
+  /// None of the open connections of a lost part can be handled until it is replaced, and what
+  /// comes after them or would shut them out waits too (execution/waiting.h). Where the job could
+  /// not be finished even with the part, they are given up.
   void set_lost(PartIndex part, bool lost);
   /// Connections of a late part are handled only when nothing else can be.
   void set_late(PartIndex part, bool late);

@@ -11,10 +11,10 @@ namespace orasp {
 
 /// What must wait for parts that are not there.
 ///
-/// Problem.    The connections `missing` cannot be handled for now. Others must then wait too: those
-///             that come after them by precedence, and those that would shut them out. The answer
-///             is what waits, `missing` among it, such that everything else can be done now and,
-///             once the parts are there, the rest after it.
+/// Problem.    The connections `missing` cannot be handled for now. Others must then wait too:
+///             those that come after them by precedence, and those that would shut them out. The
+///             answer is what waits, `missing` among it, such that everything else can be done now
+///             and, once the parts are there, the rest after it.
 /// Idea.       A plan of the whole job in which they are late (Situation::late): what comes before
 ///             the first of them is done now. There nothing else can be done that leaves a way to
 ///             the end.
