@@ -27,7 +27,7 @@ class AStarSearch {
         budget_(budget),
         allowed_(allowed_bytes(budget)),
         result_(result),
-        look_(std::clamp<std::uint64_t>(65536 / (1 + system.num_connections()), 1, 256)),
+        look_(std::clamp<std::uint64_t>(8192 / (1 + system.num_connections()), 1, 256)),
         table_(system.words()) {}
 
   void run() {
@@ -56,6 +56,8 @@ class AStarSearch {
   }
 
  private:
+  static constexpr std::uint64_t kLookGenerated = 4096;
+
   struct Open {
     /// f, in units of tick_.
     std::int64_t promise;
@@ -117,7 +119,14 @@ class AStarSearch {
     const double here = static_cast<double>(from.promise) * tick_ - reward;
     bound_.of_successors(state.view(), here, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i) {
-      ++result_.statistics.generated;
+      // A state may have thousands of successors of thousands of bits each.
+      if (++result_.statistics.generated % kLookGenerated == 0 &&
+          budget_.expired() != Stop::None) {
+        result_.stop = budget_.expired();
+        open_.push_back(from);  // as above
+        std::ranges::push_heap(open_.span(), later);
+        return;
+      }
       const ConnectionIndex c = legal[i].connection;
       state.erase(c);
       meet(state, c, reward + legal[i].reward, rests_[i], from.depth + 1);

@@ -24,7 +24,7 @@ std::optional<Result> infeasible_at_once(const TransitionSystem& system, std::st
 namespace {
 
 /// The seconds that a quick plan may take after a limit has ended a method.
-constexpr double kAtOnce = 0.04;
+constexpr double kAtOnce = 0.02;
 /// Up to so many connections a quick plan takes some milliseconds at most, and no limit is needed.
 constexpr std::size_t kSmall = 600;
 

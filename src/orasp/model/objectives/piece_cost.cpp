@@ -12,17 +12,21 @@ namespace {
 
 class PieceCostTerm : public SizeCostTerm {
  public:
-  using SizeCostTerm::SizeCostTerm;
+  explicit PieceCostTerm(SizeCosts all) : SizeCostTerm(std::move(all)) {
+    const auto by_size =
+        std::span(costs().costs).subspan(std::min<std::size_t>(1, costs().costs.size()));
+    if (by_size.empty()) return;
+    const auto [cheapest, dearest] = std::ranges::minmax(by_size);
+    range_ = {0.0 - costs().base - std::max(0.0, 2 * dearest),
+              0.0 - costs().base - std::min(0.0, 2 * cheapest)};
+  }
 
   [[nodiscard]] RewardRange range(const RangeQuestion& question) const override {
-    const SizeCosts& all = costs();
-    if (question.completes) return {all.last[1], all.last[1]};
-    const auto by_size = std::span(all.costs).subspan(std::min<std::size_t>(1, all.costs.size()));
-    if (by_size.empty()) return {0, 0};
-    const auto [cheapest, dearest] = std::ranges::minmax(by_size);
-    return {0.0 - all.base - std::max(0.0, 2 * dearest),
-            0.0 - all.base - std::min(0.0, 2 * cheapest)};
+    return question.completes ? RewardRange{costs().last[1], costs().last[1]} : range_;
   }
+
+ private:
+  RewardRange range_{0, 0};  ///< of a step that does not complete
 };
 
 class PieceCostKind : public ObjectiveKindOf<PieceCost> {
