@@ -156,10 +156,13 @@ def main():
     for preset in sorted({fault.preset for fault in chosen}):
         if errors := build(preset):
             sys.exit(f"{preset}: the tree does not build without a fault\n{errors[-4000:]}")
-        for fault in (fault for fault in chosen if fault.preset == preset):
+        of_preset = [fault for fault in chosen if fault.preset == preset]
+        # Before anything is planted: what is built later holds a fault until the next one is.
+        before = {fault.name: run_tests(fault) for fault in of_preset}
+        for fault in of_preset:
             file, why = place_of(fault, COPY)
-            if not why and (before := run_tests(fault)):
-                why = f"its tests fail without it: {before}"
+            if not why and before[fault.name]:
+                why = f"its tests fail without it: {before[fault.name]}"
             if not why:
                 good = file.read_text(encoding="utf-8")
                 file.write_text(good.replace(fault.search, fault.replace), encoding="utf-8")

@@ -120,8 +120,7 @@ class AStarSearch {
     bound_.of_successors(state.view(), here, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i) {
       // A state may have thousands of successors of thousands of bits each.
-      if (++result_.statistics.generated % kLookGenerated == 0 &&
-          budget_.expired() != Stop::None) {
+      if (++result_.statistics.generated % kLookGenerated == 0 && budget_.expired() != Stop::None) {
         result_.stop = budget_.expired();
         open_.push_back(from);  // as above
         std::ranges::push_heap(open_.span(), later);

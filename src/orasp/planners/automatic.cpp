@@ -24,6 +24,8 @@ namespace {
 
 /// Expansions for a look at whether a plan meets the bound; a few milliseconds.
 constexpr std::uint64_t kFirstLook = 5000;
+/// Expansions to find any plan where greedy meets dead ends.
+constexpr std::uint64_t kLookForAny = 20'000;
 /// Expansions of the first turn of beam; each turn is four times as long as the one before.
 constexpr std::uint64_t kFirstTurn = 5'000;
 
@@ -156,6 +158,12 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     return findings.answer(result.stop, "value-iteration, since the state-action graph is small");
   }
   if (!findings.best().has_plan()) findings.add(greedy(system, first));
+  if (!findings.best().has_plan() && !system.ordered()) {
+    Budget look = budget;
+    look.max_expansions = std::min(budget.max_expansions, kLookForAny);
+    findings.add(detail::any_plan(system, look));
+    if (findings.settled()) return findings.answer(Stop::None, "all orders were looked at");
+  }
   ConnectionBound connections(system);
   if (connections.known()) findings.lower(connections(start.view()));
 

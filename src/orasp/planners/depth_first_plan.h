@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -95,12 +96,36 @@ template <class Arrange>
 }
 
 /// Finds some plan: the frame of `greedy` and `random`. `arrange` as above, for all connections.
+/// Where it goes on for long without a plan, because of dead ends, any plan is looked for instead.
 template <class Arrange>
 [[nodiscard]] Result depth_first_plan(const TransitionSystem& system, const Budget& budget,
                                       std::string_view method, Arrange&& arrange) {
   if (auto result = infeasible_at_once(system, method)) return *result;
-  return depth_first_search(system, system.start(), ConnectionSet(system.num_connections()), budget,
-                            method, std::forward<Arrange>(arrange));
+  const ConnectionSet goal(system.num_connections());
+  const std::uint64_t long_search = 20 * system.num_connections() + 5000;
+  if (system.ordered() || budget.max_expansions <= long_search)
+    return depth_first_search(system, system.start(), goal, budget, method, arrange);
+  const Stopwatch watch;
+  Budget first = budget;
+  first.max_expansions = long_search;
+  Result result = depth_first_search(system, system.start(), goal, first, method, arrange);
+  if (result.stop != Stop::ExpansionLimit) return result;
+  Result other = any_plan(system, budget);
+  if (other.has_plan() || other.status == Status::Infeasible) {
+    if (other.status == Status::Infeasible) other = exhausted(method, other.statistics);
+    other.method = method;
+    other.stop = Stop::None;
+    if (other.has_plan())
+      other.notes.push_back(std::string(method) +
+                            " met too many dead ends: this is the first plan of another search");
+    other.statistics.expanded += result.statistics.expanded;
+    other.statistics.seconds = watch.seconds();
+    return other;
+  }
+  Result last = depth_first_search(system, system.start(), goal, budget, method, arrange);
+  last.statistics.expanded += result.statistics.expanded + other.statistics.expanded;
+  last.statistics.seconds = watch.seconds();
+  return last;
 }
 
 }  // namespace orasp::detail

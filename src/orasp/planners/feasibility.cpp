@@ -1,9 +1,13 @@
 #include "orasp/planners/feasibility.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "orasp/model/detail/connectivity.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/depth_first_plan.h"
 
@@ -41,13 +45,61 @@ double harmless(const Problem& problem) {
   return counts ? kCutsSingle : kCuts;
 }
 
+/// Puts actions into an order in which a plan is soon met: first those of a part that may leave its
+/// piece alone, of such parts one with few connections. One part after the other is then freed and
+/// taken off, where connections taken at random soon leave pieces that can only move together.
+class PartsFirst {
+ public:
+  explicit PartsFirst(const TransitionSystem& system)
+      : system_(system), graph_(system.problem()), expander_(system) {}
+
+  void order(SetView open, std::span<Action> actions) {
+    const Problem& problem = system_.problem();
+    if (problem.num_parts() > kMostParts) return;
+    rank_.assign(problem.num_parts(), kNever);
+    graph_.for_each_piece(system_.present(open).view(), [&](std::span<const PartIndex> piece) {
+      for (std::size_t i = 0; i < piece.size() && piece.size() > 1; ++i) rank(open, piece, i);
+    });
+    std::ranges::stable_sort(actions, {}, [&](const Action& action) {
+      const auto& ends = problem.ends(action.connection);
+      return std::min(rank_[ends[0]], rank_[ends[1]]);
+    });
+  }
+
+ private:
+  static constexpr std::size_t kMostParts = 512;
+  static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
+
+  void rank(SetView open, std::span<const PartIndex> piece, std::size_t i) {
+    rest_.assign(piece.begin(), piece.end());
+    rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(i));
+    std::size_t degree = 0;
+    ConnectionIndex last = 0;
+    for (const auto& half : graph_.around(piece[i])) {
+      if (system_.kept().contains(half.connection)) return;
+      if (!contains(open, half.connection)) continue;
+      ++degree;
+      last = half.connection;
+    }
+    if (degree > 0 && expander_.cut_gain(piece.subspan(i, 1), rest_, last))
+      rank_[piece[i]] = degree;
+  }
+
+  const TransitionSystem& system_;
+  detail::AssemblyGraph graph_;
+  Expander expander_;
+  std::vector<std::size_t> rank_;  ///< by part
+  std::vector<PartIndex> rest_;
+};
+
 /// `system` takes the problem apart.
 Feasibility search(const TransitionSystem& system, const Budget& budget) {
   const double threshold = harmless(system.problem());
   const ConnectionSet none(system.num_connections());
+  PartsFirst parts_first(system);
   Result result = detail::depth_first_search(
       system, system.start(), none, budget, kMethod,
-      [&](SetView, std::span<Action> actions) -> std::size_t {
+      [&](SetView open, std::span<Action> actions) -> std::size_t {
         const auto safe = std::ranges::find_if(
             actions, [&](const Action& action) { return action.reward <= threshold; });
         if (safe != actions.end()) {
@@ -55,6 +107,7 @@ Feasibility search(const TransitionSystem& system, const Budget& budget) {
           return 1;
         }
         std::ranges::stable_sort(actions, {}, &Action::reward);  // cuts first
+        parts_first.order(open, actions);
         return actions.size();
       });
   Feasibility found;

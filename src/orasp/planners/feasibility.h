@@ -40,6 +40,7 @@ struct Feasibility {
 ///             are cut at once; with a limit on unequal masses, nothing is (what is smaller may be
 ///             heavier). Where no constraint judges cuts every legal removal is harmless. With
 ///             `made_after_any`, which asks for presence, none is.
+///             Elsewhere connections of a part that may leave its piece alone come first.
 /// Guarantee.  Complete: Infeasible is a proof.
 /// Cost.       O(connections * (parts + connections)) where nothing has to be tried twice, and the
 ///             number of subsets of connections in the worst case. (Already whether an assembly in

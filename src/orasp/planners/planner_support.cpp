@@ -28,25 +28,6 @@ constexpr double kAtOnce = 0.02;
 /// Up to so many connections a quick plan takes some milliseconds at most, and no limit is needed.
 constexpr std::size_t kSmall = 600;
 
-/// The first legal order that is found, whatever it earns: for problems in which greedy runs into
-/// dead ends.
-Result any_plan(const TransitionSystem& system, const Budget& budget) {
-  Result result;
-  if (system.ordered()) return result;
-  const bool makes = !system.takes_apart();
-  const ConnectionSet none(system.num_connections());
-  const ConnectionSet start = system.present(system.start().view());
-  const ConnectionSet goal = system.present(none.view());
-  Feasibility found =
-      find_order(system.problem(), makes ? goal : start, makes ? start : goal, budget);
-  if (found.status != Status::Feasible) return result;
-  if (makes) std::ranges::reverse(found.order);
-  result.sequence = std::move(found.order);
-  result.status = Status::Feasible;
-  result.reward = reward_of(system, result.sequence);
-  return result;
-}
-
 }  // namespace
 
 double reward_of(const TransitionSystem& system, std::span<const ConnectionIndex> sequence) {
@@ -58,6 +39,28 @@ double reward_of(const TransitionSystem& system, std::span<const ConnectionIndex
     open.erase(c);
   }
   return reward;
+}
+
+Result any_plan(const TransitionSystem& system, const Budget& budget) {
+  Result result;
+  if (system.ordered()) return result;
+  const bool makes = !system.takes_apart();
+  const ConnectionSet none(system.num_connections());
+  const ConnectionSet start = system.present(system.start().view());
+  const ConnectionSet goal = system.present(none.view());
+  Feasibility found =
+      find_order(system.problem(), makes ? goal : start, makes ? start : goal, budget);
+  result.stop = found.stop;
+  result.statistics.expanded = found.expanded;
+  if (found.status != Status::Feasible) {
+    result.status = found.status;
+    return result;
+  }
+  if (makes) std::ranges::reverse(found.order);
+  result.sequence = std::move(found.order);
+  result.status = Status::Feasible;
+  result.reward = reward_of(system, result.sequence);
+  return result;
 }
 
 Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view method, Stop stop,

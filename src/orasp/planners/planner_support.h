@@ -37,6 +37,10 @@ template <class Plan>
   return result;
 }
 
+/// The first legal order that is found, whatever it earns (planners/feasibility.h): for problems in
+/// which others run into dead ends. Infeasible where it is proved that there is none.
+[[nodiscard]] Result any_plan(const TransitionSystem& system, const Budget& budget);
+
 /// The answer of a method that was stopped before it had a plan of its own. It runs greedy, and if
 /// that fails looks for any plan, for some milliseconds: a user who set a limit still gets a plan
 /// where one is found so quickly. `statistics` are those of the method that was stopped.

@@ -17,8 +17,11 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system)
       const double gain = expander.cut_gain(step.a, step.b, connection).value_or(-kInfinity);
       surplus -= gain;
       steps.cuts.push_back({connection, surplus, gain, std::move(step.a)});
-    } else if (!steps.without_cut || surplus > steps.without_cut->surplus) {
-      steps.without_cut = FirstSteps::WithoutCut{connection, surplus};
+    } else {
+      if (surplus > steps.most_without_cut + kRewardTolerance) steps.without_cut.clear();
+      steps.most_without_cut = std::max(steps.most_without_cut, surplus);
+      if (surplus > steps.most_without_cut - kRewardTolerance)
+        steps.without_cut.push_back(connection);
     }
     steps.most = std::max(steps.most, surplus);
   }
@@ -31,7 +34,7 @@ template <std::size_t kWords>
 double AndOrSearch<kWords>::loss_of_first_step(const std::vector<Set>& pieces,
                                                const std::vector<double>& losses,
                                                std::size_t allowed) {
-  double least = first_->without_cut ? first_->most - first_->without_cut->surplus : kInfinity;
+  double least = first_->most - first_->most_without_cut;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const std::size_t parts = pieces[i].size();
     scale_ = upper(pieces[i], parts);
@@ -87,8 +90,10 @@ double AndOrSearch<kWords>::list_first_cuts(const Set& piece, std::size_t parts,
 template <std::size_t kWords>
 auto AndOrSearch<kWords>::choose_first(bool dive) -> std::optional<First> {
   std::optional<First> best;
-  if (const auto& step = first_->without_cut)
-    best = First{step->connection, pieces_.size(), std::nullopt, first_->most - step->surplus};
+  if (!first_->without_cut.empty()) {
+    best = First{choose_without_cut(dive), pieces_.size(), std::nullopt,
+                 first_->most - first_->most_without_cut};
+  }
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const Set& piece = pieces_[i];
     const std::size_t parts = piece.size();
@@ -110,6 +115,37 @@ auto AndOrSearch<kWords>::choose_first(bool dive) -> std::optional<First> {
     }
   }
   return best;
+}
+
+/// Of the first steps that separate nothing one that takes no piece of the plan apart: it is among
+/// several connections between the sides of a cut, which all go for that cut anyway.
+template <std::size_t kWords>
+ConnectionIndex AndOrSearch<kWords>::choose_without_cut(bool dive) {
+  std::vector<Half> waiting;
+  for (const Set& piece : pieces_) waiting.push_back({piece, piece.size(), allowed_});
+  while (!waiting.empty()) {
+    const Half piece = waiting.back();
+    waiting.pop_back();
+    if (piece.parts < 3) continue;
+    const std::size_t allowed = limited_ ? useful(piece.allowed, piece.parts) : piece.allowed;
+    const std::optional<Cut> cut = next_cut(piece.set, piece.parts, allowed, dive);
+    if (!cut) continue;
+    const std::array<Half, 2> sides = halves(piece.set, piece.parts, allowed, *cut);
+    std::size_t crossing = 0;
+    ConnectionIndex chosen = kNone;
+    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+      const auto [u, v] = problem_.ends(c);
+      if (!piece.set.contains(u) || !piece.set.contains(v) ||
+          cut->side.contains(u) == cut->side.contains(v))
+        continue;
+      ++crossing;
+      if (chosen == kNone && std::ranges::binary_search(first_->without_cut, c)) chosen = c;
+    }
+    if (crossing > 1 && chosen != kNone) return chosen;
+    waiting.push_back(sides[0]);
+    waiting.push_back(sides[1]);
+  }
+  return first_->without_cut.front();
 }
 
 template double AndOrSearch<1>::loss_of_first_step(const std::vector<Set>&,

@@ -34,14 +34,10 @@ struct FirstSteps {
     double gain;               ///< of the cut itself
     std::vector<PartIndex> a;  ///< the side of its first part
   };
-  /// Of the steps that separate nothing, the one that earns most more.
-  struct WithoutCut {
-    ConnectionIndex connection;
-    double surplus;
-  };
-
   double most = -kInfinity;  ///< the greatest surplus of all
-  std::optional<WithoutCut> without_cut;
+  /// Of the steps that separate nothing: the greatest surplus, and those that have it.
+  double most_without_cut = -kInfinity;
+  std::vector<ConnectionIndex> without_cut;
   std::vector<Cut> cuts;
 };
 
@@ -145,6 +141,7 @@ class AndOrSearch {
   double search_first(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   double list_first_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   [[nodiscard]] std::optional<First> choose_first(bool dive);
+  [[nodiscard]] ConnectionIndex choose_without_cut(bool dive);
 
   // and_or_search.cpp
   template <class Report>
