@@ -67,10 +67,10 @@ FAULTS = [
           "if (motions[i] != motions[j]) step.cut.push_back(c);", "if (motions[i] > motions[j]) step.cut.push_back(c);",
           "release", ["Fleet*"]),
     Fault("a temporary file that stays behind",
-          "::unlink(temporary.c_str());", "",
+          "::unlink(temporary.c_str());", "static_cast<void>(temporary);",
           "release", ["WriteFile*"]),
     Fault("a signal that stops nothing",
-          "stop.request_stop();", "",
+          "stop.request_stop();", "static_cast<void>(stop.stop_requested());",
           "release", ["tests/cli/stopping_test.py", "Stopping.test_ctrl_c_prints_the_best_plan_so_far"]),
 ]
 

@@ -45,8 +45,9 @@ void add_problem_options(CommandLine& line, ProblemChanges& changes) {
   line.text("--objective", "TYPE|FILE",
             fmt::format(
                 "What a step earns: {}; or a JSON file that holds an objective (default: "
-                "as in the file). Several robots: makespan, the fewest steps, or fleet_travel, the "
-                "least travel.",
+                "as in the file). With costs by size (piece_cost, cubesat, custom) the step that "
+                "completes earns its completion alone. Several robots: makespan, the fewest steps, "
+                "or fleet_travel, the least travel.",
                 fmt::join(kObjectiveTypes, ", ")),
             changes.objective);
   std::vector<std::string> objectives(kObjectiveTypes.begin(), kObjectiveTypes.end());

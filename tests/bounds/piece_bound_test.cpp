@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "orasp/orasp.h"
+#include "orasp/planners/planner_support.h"
+#include "tests/instances.h"
 #include "tests/random_problems.h"
 #include "tests/seeds.h"
 
@@ -87,6 +89,25 @@ TEST(PieceBound, SaysNothingWhereTheObjectiveSeesMoreThanThePiece) {
     PieceBound bound(system, PieceBound::Kind::Both);
     EXPECT_FALSE(bound.known());
     EXPECT_EQ(bound(system.start().view()), std::numeric_limits<double>::infinity());
+  }
+}
+
+// Four parts in a row at 0, 1, 2 and 3 m from the depot, each a second's work; the first is too heavy
+// to move, so it is what stays: 3 s and the ways of the others, 2 (1 + 2 + 3) m, whatever the order.
+TEST(PieceBound, WhatIsTooHeavyToMoveStays) {
+  ProblemSpec spec = instances::assembly(4, {{1, 2}, {2, 3}, {3, 4}});
+  for (std::size_t i = 0; i < 4; ++i)
+    spec.parts[i].position = Vector3{static_cast<double>(i), 0, 0};
+  spec.parts[0].mass = 100;
+  spec.objective = Objective::named("time");
+  spec.limits = {.max_moved_parts = 1, .max_moved_mass = 10};
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+    spec.direction = direction;
+    const Problem problem(spec);
+    const Result plan = solve(problem, "auto");
+    EXPECT_EQ(plan.status, Status::Optimal);
+    EXPECT_NEAR(plan.reward, -15, 1e-12);
+    EXPECT_NEAR(detail::bound_of_start(TransitionSystem(problem)).value(), -15, 1e-12);
   }
 }
 

@@ -4,12 +4,14 @@
     tests/cli/stopping_test.py PROGRAM [unittest's arguments]
 """
 import json
+import os
 import re
 import signal
 import subprocess
 import sys
 import time
 import unittest
+from random import Random
 
 from program import ENDLESS, PROGRAM, Case, orasp, smoke, threads
 
@@ -54,6 +56,30 @@ class Stopping(Case):
         self.assertIn("stopped by the time limit", process.communicate(timeout=20)[0])
 
     @threads
+    def test_a_killed_process_leaves_no_file_behind(self):
+        # At any moment: the file is not there, or as it was, or whole; and nothing lies beside it.
+        kills = int(os.environ.get("ORASP_TEST_KILLS", "60"))
+        commands = [("solve", "jwst-upc", "-o", "plan.json"), ("report", "lattice", "-o", "page.html")]
+        longest = {}
+        for command in commands:
+            begin = time.monotonic()
+            self.check(orasp(*command, cwd=self.folder), 0)
+            longest[command] = time.monotonic() - begin
+        random = Random(1)
+        for turn in range(kills):
+            command = commands[turn % 2]
+            file = self.folder / command[3]
+            if turn % 4 < 2:
+                file.unlink(missing_ok=True)
+            process = subprocess.Popen([PROGRAM, *command], cwd=self.folder, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            time.sleep(random.uniform(0, 1.1 * longest[command]))
+            process.kill()
+            process.wait()
+            if file.exists():
+                self.assertRegex(file.read_text(encoding="utf-8").rstrip()[-8:], r"}$|</html>$", command)
+            self.assertLessEqual({path.name for path in self.folder.iterdir()}, {"plan.json", "page.html"})
+
     def test_compare_and_sample_print_what_they_have(self):
         process = self.start("compare", "4brick", "iss", "--methods", "greedy,orasp-search", "--objective", "indexed", "--json")
         time.sleep(1)

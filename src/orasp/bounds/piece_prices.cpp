@@ -271,6 +271,13 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
     }
   }
   known_ = std::ranges::all_of(prices_, [](double price) { return std::isfinite(price); });
+  if (const auto most_mass = problem.limits().max_moved_mass) {
+    stays_.assign(parts, 0);
+    for (PartIndex part = 0; part < parts; ++part) {
+      const bool too_heavy = problem.parts()[part].mass > *most_mass * (1 + kRelativeTolerance);
+      if (too_heavy) stays_[units.any() ? units.first_of(part) : part] = 1;
+    }
+  }
   if (!units.any()) return;
   // A unit pays once, so it pays the least price of its parts.
   for (PartIndex part = 0; part < parts; ++part) {
@@ -281,18 +288,24 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
 
 double PiecePrices::bound(std::span<const PartIndex> piece, const PartUnits& units) const {
   if (piece.size() == 1) return 0;
+  double known = kInfinity;
   if (!small_.empty() && piece.size() <= kMostListed) {
     const auto found = small_.find(small_key(piece));
-    return found == small_.end() ? -kInfinity : found->second;
+    known = found == small_.end() ? -kInfinity : found->second;
+    if (stays_.empty()) return known;
   }
   double sum = 0;
   double least = kInfinity;
+  std::optional<double> of_what_stays;
   for (const PartIndex part : piece) {
     if (units.merged(part)) continue;
     sum += prices_[part];
     least = std::min(least, prices_[part]);
+    if (!stays_.empty() && stays_[part] != 0)
+      of_what_stays = std::min(of_what_stays.value_or(kInfinity), prices_[part]);
   }
-  return sum - least;
+  if (of_what_stays) return std::min(known, sum - *of_what_stays);
+  return known < kInfinity ? known : sum - least;
 }
 
 }  // namespace orasp
