@@ -92,8 +92,9 @@ TEST(PieceBound, SaysNothingWhereTheObjectiveSeesMoreThanThePiece) {
   }
 }
 
-// Four parts in a row at 0, 1, 2 and 3 m from the depot, each a second's work; the first is too heavy
-// to move, so it is what stays: 3 s and the ways of the others, 2 (1 + 2 + 3) m, whatever the order.
+// Four parts in a row at 0, 1, 2 and 3 m from the depot, each a second's work; the first is too
+// heavy to move, so it is what stays: 3 s and the ways of the others, 2 (1 + 2 + 3) m, whatever the
+// order.
 TEST(PieceBound, WhatIsTooHeavyToMoveStays) {
   ProblemSpec spec = instances::assembly(4, {{1, 2}, {2, 3}, {3, 4}});
   for (std::size_t i = 0; i < 4; ++i)
