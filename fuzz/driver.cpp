@@ -54,7 +54,7 @@ void run(std::string bytes) {
 }
 
 /// What stands in hostile files: ends of ranges, tokens of JSON, ids, keys of the formats.
-constexpr std::array<std::string_view, 56> kTokens = {"0",
+constexpr std::array<std::string_view, 58> kTokens = {"0",
                                                       "-1",
                                                       "1e308",
                                                       "1e-320",
@@ -93,6 +93,8 @@ constexpr std::array<std::string_view, 56> kTokens = {"0",
                                                       "\"precedence\":",
                                                       "\"after\":",
                                                       "\"after_any\":",
+                                                      "\"made_after\":",
+                                                      "\"made_after_any\":",
                                                       "\"limits\":",
                                                       "\"max_moved_parts\":",
                                                       "\"max_subassemblies\":",

@@ -153,6 +153,8 @@ std::string in_quotes(std::string_view text) {
 }
 
 std::size_t display_width(std::string_view text) {
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80U; };
+  if (std::ranges::all_of(text, is_ascii)) return text.size();
   // fmt knows which characters take two columns: it is asked how much it would add to fill a width.
   const std::size_t most = 2 * text.size();
   return most - (fmt::formatted_size("{:<{}}", text, most) - text.size());

@@ -316,6 +316,24 @@ TEST(ProblemJson, RefusesAnEmptyAfterAnyOnly) {
   EXPECT_EQ(
       fault(with(R"("precedence": [{"connection": "1-2", "after": ["2-3"], "after_any": []}])")),
       "precedence[0].after_any: an empty list could never be met; leave the key out");
+  EXPECT_EQ(fault(with(R"("precedence": [{"connection": "1-2", "made_after": []}])")), "no fault");
+  EXPECT_EQ(fault(with(R"("precedence": [{"connection": "1-2", "made_after_any": []}])")),
+            "precedence[0].made_after_any: an empty list could never be met; leave the key out");
+  EXPECT_EQ(
+      fault(with(R"("precedence": [{"connection": "1-2", "made_after": ["2-3", "9"]}])")),
+      "precedence[0].made_after[1]: no connection \"9\"; connections are \"1-2\" and \"2-3\"");
+}
+
+TEST(ProblemJson, ReadsAndWritesHowAProductIsMade) {
+  const Problem problem = parse_problem(with(
+      R"("precedence": [{"connection": "1-2", "made_after": ["2-3"], "made_after_any": ["2-3"]}])"));
+  const Precedence& rule = problem.spec().precedence.front();
+  EXPECT_EQ(rule.made_after, std::vector<std::string>{"2-3"});
+  EXPECT_EQ(rule.made_after_any, std::vector<std::string>{"2-3"});
+  EXPECT_EQ(problem_digest(parse_problem(problem_text(problem))), problem_digest(problem));
+  // 2-3 is removed only after 1-2: the same rule.
+  EXPECT_EQ(digest(with(R"("precedence": [{"connection": "1-2", "made_after": ["2-3"]}])")),
+            digest(with(R"("precedence": [{"connection": "2-3", "after": ["1-2"]}])")));
 }
 
 TEST(ProblemJson, ReportsWhatTheConstructorFinds) {
@@ -478,6 +496,7 @@ TEST(ProblemDigest, DiffersWherePlanningDiffers) {
       digest(with(R"("limits": {"max_moved_parts": 1})")),
       digest(with(R"("precedence": [{"connection": "1-2", "after": ["2-3"]}])")),
       digest(with(R"("precedence": [{"connection": "1-2", "after_any": ["2-3"]}])")),
+      digest(with(R"("precedence": [{"connection": "1-2", "made_after_any": ["2-3"]}])")),
       digest(with(R"("precedence": [{"connection": "2-3", "after": ["1-2"]}])")),
       digest(with(R"("blocking": {"directions": ["+x", "-x"],
                                   "blocked": [{"part": "1", "by": "2", "directions": ["+x"]}]})")),
