@@ -326,7 +326,8 @@ TEST(ProblemJson, RefusesAnEmptyAfterAnyOnly) {
 
 TEST(ProblemJson, ReadsAndWritesHowAProductIsMade) {
   const Problem problem = parse_problem(with(
-      R"("precedence": [{"connection": "1-2", "made_after": ["2-3"], "made_after_any": ["2-3"]}])"));
+      R"("precedence": [{"connection": "1-2", "made_after": ["2-3"],
+                                         "made_after_any": ["2-3"]}])"));
   const Precedence& rule = problem.spec().precedence.front();
   EXPECT_EQ(rule.made_after, std::vector<std::string>{"2-3"});
   EXPECT_EQ(rule.made_after_any, std::vector<std::string>{"2-3"});
