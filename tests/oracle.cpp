@@ -224,12 +224,12 @@ State World::can_be_put_on(const State& present) const {
     }
     return true;
   };
-  for (std::size_t c = 0; c < present.size();) {
-    if (present[c] && !on[c] && may(c)) {
+  for (bool moving = true; moving;) {
+    moving = false;
+    for (std::size_t c = 0; c < present.size(); ++c) {
+      if (!present[c] || on[c] || !may(c)) continue;
       on[c] = true;
-      c = 0;
-    } else {
-      ++c;
+      moving = true;
     }
   }
   return on;
@@ -246,12 +246,12 @@ State World::can_be_taken_off(const State& missing, const State& never) const {
     }
     return true;
   };
-  for (std::size_t c = 0; c < missing.size();) {
-    if (missing[c] && !off[c] && may(c)) {
+  for (bool moving = true; moving;) {
+    moving = false;
+    for (std::size_t c = 0; c < missing.size(); ++c) {
+      if (!missing[c] || off[c] || !may(c)) continue;
       off[c] = true;
-      c = 0;
-    } else {
-      ++c;
+      moving = true;
     }
   }
   return off;
@@ -306,6 +306,7 @@ void World::judge_making(const State& open, Facts& facts) const {
 }
 
 void World::judge_precedence(const State& open, Facts& facts) const {
+  if (clauses_.empty()) return;
   if (spec_.direction == Direction::Assembly) {
     judge_making(open, facts);
   } else {
