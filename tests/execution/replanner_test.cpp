@@ -310,7 +310,9 @@ TEST_P(InTheMiddle, ReplannerEqualsBruteForceThroughChangesOfEveryKind) {
       if (testing::Test::HasFailure()) return;
     }
   }
-  EXPECT_EQ(changes.size(), 4U);
+  if (percent_of_seeds() == 100) {
+    EXPECT_EQ(changes.size(), 4U);
+  }
 }
 
 ConnectionSet connections_of(const Problem& problem, PartIndex part) {
@@ -469,7 +471,9 @@ TEST(Replanner, ConflictsAreFoundWhereAndOnlyWhereThereIsNoPlan) {
         EXPECT_NE(other.message, item.message);
     }
   }
-  EXPECT_GT(named, 0);
+  if (percent_of_seeds() == 100) {
+    EXPECT_GT(named, 0);
+  }
 }
 
 // 1-2-3 in a row, at most one subassembly of two parts may ... by hand: with 1-2 inaccessible,
