@@ -209,6 +209,19 @@ bool all_in(const std::set<std::size_t>& list, const State& set) {
          std::all_of(list.begin(), list.end(), [&](std::size_t c) { return bool{set[c]}; });
 }
 
+/// Takes members of `candidates` into `set`, as long as there is one that may(c) come.
+template <class May>
+void take_in(const State& candidates, State& set, May&& may) {
+  for (bool moving = true; moving;) {
+    moving = false;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      if (!candidates[c] || set[c] || !may(c)) continue;
+      set[c] = true;
+      moving = true;
+    }
+  }
+}
+
 }  // namespace
 
 State World::can_be_put_on(const State& present) const {
@@ -224,14 +237,7 @@ State World::can_be_put_on(const State& present) const {
     }
     return true;
   };
-  for (bool moving = true; moving;) {
-    moving = false;
-    for (std::size_t c = 0; c < present.size(); ++c) {
-      if (!present[c] || on[c] || !may(c)) continue;
-      on[c] = true;
-      moving = true;
-    }
-  }
+  take_in(present, on, may);
   return on;
 }
 
@@ -246,14 +252,7 @@ State World::can_be_taken_off(const State& missing, const State& never) const {
     }
     return true;
   };
-  for (bool moving = true; moving;) {
-    moving = false;
-    for (std::size_t c = 0; c < missing.size(); ++c) {
-      if (!missing[c] || off[c] || !may(c)) continue;
-      off[c] = true;
-      moving = true;
-    }
-  }
+  take_in(missing, off, may);
   return off;
 }
 

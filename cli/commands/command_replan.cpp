@@ -170,14 +170,20 @@ std::string changes_json(const Problem& problem, const Changes& changes) {
       .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
+/// As many ids as stand on a line.
+std::string capped_ids(const Problem& problem, std::span<const ConnectionIndex> connections,
+                       const Context& context) {
+  std::vector<std::string> ids;
+  for (const ConnectionIndex c : connections) ids.push_back(problem.connection_id(c));
+  return capped_list(ids, context.width() > 60 ? context.width() - 24 : 36);
+}
+
 std::string changes_text(const Problem& problem, const Changes& changes, const Context& context) {
   std::string text = "\nagainst the old plan\n";
   const auto list = [&](const char* name, const std::vector<ConnectionIndex>& connections) {
     if (connections.empty()) return;
-    std::vector<std::string> ids;
-    for (const ConnectionIndex c : connections) ids.push_back(problem.connection_id(c));
-    text += fmt::format("  {:<8} {}: ", name, counted(ids.size(), "step"));
-    text += capped_list(ids, context.width() > 60 ? context.width() - 24 : 36) + '\n';
+    text += fmt::format("  {:<8} {}: ", name, counted(connections.size(), "step"));
+    text += capped_ids(problem, connections, context) + '\n';
   };
   list("kept", changes.kept);
   list("moved", changes.moved);
@@ -199,30 +205,14 @@ std::vector<ConnectionIndex> listed(const ConnectionSet& set) {
   return list;
 }
 
-/// What lost parts keep from being done.
-struct Missing {
-  std::optional<ConnectionSet> waiting;  ///< nothing where no part is lost
-  bool given_up = false;                 ///< even with the parts the job could not be finished
-};
-
-Missing missing_parts(const Problem& problem, const ReplanOptions& options, const Situation& now) {
-  if (options.lost_parts.empty()) return {};
-  const ConnectionSet lost = connections_of_parts(problem, options.lost_parts, "--lost-part");
-  std::optional<ConnectionSet> waiting =
-      waiting_for(problem, now, lost, make_budget(options.limits));
-  if (waiting) return {std::move(waiting), false};
-  return {lost, true};
-}
-
 /// What is done before late parts are there, and what waits for lost ones.
-std::string waiting_text(const Task& task, const Missing& missing, const ReplanOptions& options,
-                         const Result& result, const Context& context) {
+std::string waiting_text(const Task& task, const std::optional<Waiting>& lost,
+                         const ReplanOptions& options, const Result& result,
+                         const Context& context) {
   const Problem& problem = task.problem;
   std::string text;
   const auto ids = [&](const std::vector<ConnectionIndex>& connections) {
-    std::vector<std::string> names;
-    for (const ConnectionIndex c : connections) names.push_back(problem.connection_id(c));
-    return capped_list(names, context.width() > 60 ? context.width() - 24 : 36);
+    return capped_ids(problem, connections, context);
   };
   const auto parts = [](const std::string& list) {
     std::string names;
@@ -230,11 +220,13 @@ std::string waiting_text(const Task& task, const Missing& missing, const ReplanO
       names += (names.empty() ? "" : ", ") + in_quotes(id);
     return names;
   };
-  if (missing.waiting && !missing.waiting->empty()) {
-    const std::vector<ConnectionIndex> waiting = listed(*missing.waiting);
-    if (missing.given_up) {
-      text += fmt::format("\ngiven up for {}: {}\n  even with it the rest could not be finished\n",
-                          parts(options.lost_parts), ids(waiting));
+  if (lost && !lost->connections.empty()) {
+    const std::vector<ConnectionIndex> waiting = listed(lost->connections);
+    if (lost->status != Status::Feasible) {
+      text += fmt::format("\ngiven up for {}: {}\n  {}\n", parts(options.lost_parts), ids(waiting),
+                          lost->status == Status::Infeasible
+                              ? "even with it the rest could not be finished"
+                              : "whether the rest could be finished with it was not decided");
     } else {
       text += fmt::format("\nwaiting for {}: {}\n  {}\n", parts(options.lost_parts), ids(waiting),
                           result.has_plan() ? "once it is there, all of this can be done"
@@ -328,8 +320,13 @@ int run(const ReplanOptions& options, const Context& context) {
                       no_longer_open);
   now.inaccessible = connections_called(problem, options.inaccessible, "--inaccessible");
   now.not_next = connections_called(problem, options.not_next, "--not-next");
-  const Missing missing = missing_parts(problem, options, now);
-  if (missing.waiting) insert_all(now.inaccessible, *missing.waiting);
+  Budget budget = make_budget(options.limits);
+  std::optional<Waiting> lost;
+  if (!options.lost_parts.empty()) {
+    lost = waiting_for(problem, now,
+                       connections_of_parts(problem, options.lost_parts, "--lost-part"), budget);
+    insert_all(now.inaccessible, lost->connections);
+  }
   now.late = connections_of_parts(problem, options.late_parts, "--late-part");
 
   const Task task(problem, now);
@@ -337,7 +334,6 @@ int run(const ReplanOptions& options, const Context& context) {
   std::optional<ProblemExplanation> why;
   {
     ProgressLine progress(context, title(problem, options.problem) + ", replan");
-    Budget budget = make_budget(options.limits);
     progress.attach_to(budget);
     if (options.changes.objective && !options.changes.direction && !problem.uncertain()) {
       answer = reweighed(written, problem, now, options, budget);
@@ -355,7 +351,7 @@ int run(const ReplanOptions& options, const Context& context) {
     changes = changes_between(problem, now, old, result);
     more["changes"] = changes_json(problem, *changes);
   }
-  if (missing.waiting) more["waiting"] = ids_json(problem, listed(*missing.waiting)).dump();
+  if (lost) more["waiting"] = ids_json(problem, listed(lost->connections)).dump();
   if (why) more["conflict"] = conflict_json(why->conflict).dump();
   const std::string plan = plan_text(task, result, settings_of(options), nullptr, more);
   if (!options.output.empty()) {
@@ -370,7 +366,7 @@ int run(const ReplanOptions& options, const Context& context) {
     return exit_code(result);
   }
   std::string text = plan_summary(task, options.problem, result, context);
-  text += waiting_text(task, missing, options, result, context);
+  text += waiting_text(task, lost, options, result, context);
   if (changes) text += changes_text(problem, *changes, context);
   if (why && !why->conflict.empty()) text += '\n' + conflict_text(*why);
   if (!result.notes.empty()) text += '\n';

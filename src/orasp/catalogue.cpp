@@ -87,16 +87,6 @@ std::string refusal(const Planner& planner, const std::string& reason, const Req
   return std::string(planner.name) + " " + reason + use;
 }
 
-/// A plan that earns all that is proved possible is optimal, however the method came to its end.
-void settle(Result& result) {
-  if (result.status != Status::Feasible || result.expectation || !result.bound ||
-      !detail::meets(result.reward, *result.bound))
-    return;
-  result.status = Status::Optimal;
-  result.stop = Stop::None;
-  result.bound = result.reward;
-}
-
 [[noreturn]] void dishonest(const Result& result, const std::string& what) {
   throw std::logic_error(result.method + " returned a plan that " + what);
 }
@@ -172,7 +162,9 @@ Result solve(const Task& task, std::string_view method, const Options& options,
     throw InputError(refusal(planner, refused.reason(), request));
   }
   result.seed = options.seed;
-  settle(result);
+  // A plan that earns all that is proved possible is optimal, however the method came to its end.
+  if (result.status == Status::Feasible && !result.expectation)
+    detail::judge_by(result.bound, result);
   require_honest(task, result);
   return result;
 }

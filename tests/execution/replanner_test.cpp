@@ -346,21 +346,22 @@ TEST(Waiting, LeavesAWayToTheEndWheneverThereIsOne) {
       const Truth job(spec, now);
       for (PartIndex part = 0; part < problem.num_parts(); ++part) {
         const ConnectionSet missing = connections_of(problem, part);
-        const auto waiting = waiting_for(problem, now, missing, Budget{});
+        const Waiting answer = waiting_for(problem, now, missing, Budget{});
+        const ConnectionSet& waiting = answer.connections;
         bool touched = false;
         for_each_connection(missing.view(),
                             [&](ConnectionIndex c) { touched = touched || now.open.contains(c); });
         if (!touched) {
-          ASSERT_TRUE(waiting && waiting->empty());
+          ASSERT_TRUE(answer.status == Status::Feasible && waiting.empty());
           continue;
         }
-        ASSERT_EQ(waiting.has_value(), job.best() != kNever);
-        if (!waiting) {
+        ASSERT_EQ(answer.status, job.best() != kNever ? Status::Feasible : Status::Infeasible);
+        if (answer.status != Status::Feasible) {
           ++seen["never"];
           continue;
         }
         Situation before = now;
-        before.inaccessible = *waiting;
+        before.inaccessible = waiting;
         const Result plan = solve(Task(problem, before), "auto", quick_options());
         ASSERT_EQ(plan.status, Status::Optimal);
         // From there the rest can be done, and without the part nothing more.
@@ -369,7 +370,7 @@ TEST(Waiting, LeavesAWayToTheEndWheneverThereIsOne) {
           EXPECT_FALSE(missing.contains(c));
           rest.open.erase(c);
         }
-        EXPECT_EQ(rest.open, *waiting);
+        EXPECT_EQ(rest.open, waiting);
         EXPECT_NE(Truth(spec, rest).best(), kNever);
         for_each_connection(rest.open.view(), [&](ConnectionIndex c) {
           if (missing.contains(c) || !expander.legal(rest.open.view(), c)) return;
@@ -407,7 +408,7 @@ TEST(Waiting, ThePenIsNotShutWithoutItsInkAndNotCappedWithoutItsHead) {
     const auto waiting =
         waiting_for(problem, now, connections_of(problem, problem.find_part(part, "")), Budget{});
     std::set<std::string> ids;
-    for_each_connection(waiting.value().view(),
+    for_each_connection(waiting.connections.view(),
                         [&](ConnectionIndex c) { ids.insert(problem.connection_id(c)); });
     return ids;
   };

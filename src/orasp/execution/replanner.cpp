@@ -29,13 +29,6 @@ bool same_limits(const Limits& a, const Limits& b) {
          a.max_moved_mass == b.max_moved_mass;
 }
 
-/// Whether a legal step may leave no way to the end.
-bool may_shut_out(const Problem& problem) {
-  const Limits& limits = problem.limits();
-  return !problem.precedence().empty() || problem.directions() != 0 || limits.max_subassemblies ||
-         limits.max_moved_parts || limits.max_moved_mass;
-}
-
 }  // namespace
 
 /// A problem under one choice of limits and, where it fits, H with every state's best reward still
@@ -248,7 +241,7 @@ Situation Replanner::situation() const {
   if (missing.empty()) return situation;
   Budget budget;
   budget.max_expansions = kMostForWaiting;
-  const ConnectionSet waiting = waiting_for(now, situation, missing, budget).value_or(missing);
+  const ConnectionSet waiting = waiting_for(now, situation, missing, budget).connections;
   for_each_connection(waiting.view(), [&](ConnectionIndex c) { situation.inaccessible.insert(c); });
   return situation;
 }
@@ -347,7 +340,7 @@ Result Replanner::plan(const Budget& budget) {
   const bool assembly = held.problem.direction() == Direction::Assembly;
   const bool ordered = !held.problem.precedence().empty();
   // What is late may come sooner where that alone leaves a way to the end.
-  const bool may_be_sooner = !now.late.empty() && may_shut_out(held.problem);
+  const bool may_be_sooner = !now.late.empty() && held.system.may_shut_out();
   if (!from || may_be_sooner || (assembly && (limit || ordered) && !kept.empty())) {
     // In assembly what is left out may leave the product itself in too many subassemblies, and what
     // had to be made before others need not be any more.

@@ -1,13 +1,21 @@
 #pragma once
 
-#include <optional>
-
 #include "orasp/model/connection_set.h"
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
 #include "orasp/task/budget.h"
+#include "orasp/task/result.h"
 
 namespace orasp {
+
+/// What waits for parts that are not there.
+struct Waiting {
+  /// Feasible: the rest can be done once the parts are there. Infeasible: it is proved that the job
+  /// cannot be finished even then. Unknown: the budget ended before that was known.
+  Status status = Status::Unknown;
+  /// What waits; unless Feasible, the open ones of what is missing.
+  ConnectionSet connections = {};
+};
 
 /// What must wait for parts that are not there.
 ///
@@ -21,10 +29,7 @@ namespace orasp {
 /// Guarantee.  What it names can wait. Where several choices exist it is one of them, with the best
 ///             reward of the whole job where that is found.
 /// Cost.       A plan of what is left of the job (planners/automatic.h).
-/// @returns nothing where the job cannot be finished even when all parts are there, or where the
-/// budget ended before that was known.
-[[nodiscard]] std::optional<ConnectionSet> waiting_for(const Problem& problem, const Situation& now,
-                                                       const ConnectionSet& missing,
-                                                       const Budget& budget);
+[[nodiscard]] Waiting waiting_for(const Problem& problem, const Situation& now,
+                                  const ConnectionSet& missing, const Budget& budget);
 
 }  // namespace orasp

@@ -240,17 +240,17 @@ inline std::span<const Action> Expander::Scratch::in_order(SetView open, std::sp
   return {legal.begin(), end};
 }
 
-// Whether the goal can be reached after a legal step, in any order. As far as is known: it is
-// assumed where finding out takes too long.
+// Whether it is known that the goal can be reached after a legal step, in any order. What is late
+// may come sooner where finding out takes too long, so that no plan is missed.
 bool Expander::Scratch::goes_on(SetView open, ConnectionIndex c) {
   if (in_any_order == nullptr) return true;
   ConnectionSet next(problem.num_connections(), open);
   next.erase(c);
-  return goal_in_reach(std::move(next));
+  return goal_in_reach(std::move(next)).value_or(false);
 }
 
-// Depth first, with a memory of states.
-bool Expander::Scratch::goal_in_reach(ConnectionSet from) {
+// Depth first, with a memory of states; empty where that is full.
+std::optional<bool> Expander::Scratch::goal_in_reach(ConnectionSet from) {
   constexpr std::size_t kMostStates = 200'000;
   struct Frame {
     ConnectionSet state;
@@ -258,7 +258,7 @@ bool Expander::Scratch::goal_in_reach(ConnectionSet from) {
   };
   std::vector<Frame> path;
   const auto known = [this](const ConnectionSet& state) -> std::optional<bool> {
-    if (state.empty() || leads_to_goal.size() > kMostStates) return true;
+    if (state.empty()) return true;
     const auto found = leads_to_goal.find(state);
     return found == leads_to_goal.end() ? std::nullopt : std::optional(found->second);
   };
@@ -269,6 +269,7 @@ bool Expander::Scratch::goal_in_reach(ConnectionSet from) {
   if (const auto answer = known(from)) return *answer;
   enter(std::move(from));
   while (!path.empty()) {
+    if (leads_to_goal.size() > kMostStates) return std::nullopt;
     Frame& at = path.back();
     if (at.untried.empty()) {
       leads_to_goal.emplace(std::move(at.state), false);
@@ -414,6 +415,10 @@ const ConnectionSet& TransitionSystem::start() const {
 
 bool TransitionSystem::whole() const {
   return rules_->whole;
+}
+
+bool TransitionSystem::may_shut_out() const {
+  return rules_->may_shut_out;
 }
 
 bool TransitionSystem::ordered() const {

@@ -127,6 +127,9 @@ class TransitionSystem {
   /// Whether the start is all connections and nothing but the problem's own constraints judges
   /// steps.
   [[nodiscard]] bool whole() const;
+  /// Whether a legal step may lead to a state from which the goal cannot be reached: under limits,
+  /// blocking, or `after_any` beside `made_after_any`.
+  [[nodiscard]] bool may_shut_out() const;
   /// Whether something cannot be next or is late.
   [[nodiscard]] bool ordered() const;
   /// Connections that are part of no state and stay as they are: those that are open and never

@@ -120,8 +120,8 @@ class AStarSearch {
     bound_.of_successors(state.view(), here, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i) {
       // A state may have thousands of successors of thousands of bits each.
-      if (++result_.statistics.generated % kLookGenerated == 0 && budget_.expired() != Stop::None) {
-        result_.stop = budget_.expired();
+      if (++result_.statistics.generated % kLookGenerated == 0) result_.stop = budget_.expired();
+      if (result_.stop != Stop::None) {
         open_.push_back(from);  // as above
         std::ranges::push_heap(open_.span(), later);
         return;
@@ -198,11 +198,8 @@ Result searched(const TransitionSystem& system, const AStarOptions& options, con
 }  // namespace
 
 Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
-  const Stopwatch watch;
-  Result result = detail::from_the_end(
+  return detail::from_the_end(
       system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
-  result.statistics.seconds = watch.seconds();
-  return result;
 }
 
 }  // namespace orasp

@@ -209,11 +209,8 @@ Result searched(const TransitionSystem& system, const AndOrOptions& options, con
 }  // namespace
 
 Result and_or(const TransitionSystem& system, const AndOrOptions& options, const Budget& budget) {
-  const Stopwatch watch;
-  Result result = detail::from_the_end(
+  return detail::from_the_end(
       system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
-  result.statistics.seconds = watch.seconds();
-  return result;
 }
 
 }  // namespace orasp

@@ -203,12 +203,10 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 }  // namespace
 
 Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
-  const Stopwatch watch;
   if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
   Result result = detail::from_the_end(
       system, [&](const TransitionSystem& from) { return chosen(system, from, budget); });
   result.seed = seed;
-  result.statistics.seconds = watch.seconds();
   return result;
 }
 

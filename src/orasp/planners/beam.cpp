@@ -382,8 +382,7 @@ Result searched(const TransitionSystem& system, const BeamOptions& options, cons
 }  // namespace
 
 Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
-  const Stopwatch watch;
-  Result result = detail::from_the_end(system, [&](const TransitionSystem& from) {
+  return detail::from_the_end(system, [&](const TransitionSystem& from) {
     if (&from == &system || options.incumbent == nullptr) return searched(from, options, budget);
     Result incumbent = *options.incumbent;
     std::ranges::reverse(incumbent.sequence);
@@ -391,8 +390,6 @@ Result beam(const TransitionSystem& system, const BeamOptions& options, const Bu
     turned.incumbent = &incumbent;
     return searched(from, turned, budget);
   });
-  result.statistics.seconds = watch.seconds();
-  return result;
 }
 
 }  // namespace orasp

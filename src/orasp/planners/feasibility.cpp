@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -96,7 +97,7 @@ class PartsFirst {
 Feasibility search(const TransitionSystem& system, const Budget& budget) {
   const double threshold = harmless(system.problem());
   const ConnectionSet none(system.num_connections());
-  PartsFirst parts_first(system);
+  std::optional<PartsFirst> parts_first;  // often nothing asks for it
   Result result = detail::depth_first_search(
       system, system.start(), none, budget, kMethod,
       [&](SetView open, std::span<Action> actions) -> std::size_t {
@@ -107,7 +108,8 @@ Feasibility search(const TransitionSystem& system, const Budget& budget) {
           return 1;
         }
         std::ranges::stable_sort(actions, {}, &Action::reward);  // cuts first
-        parts_first.order(open, actions);
+        if (!parts_first) parts_first.emplace(system);
+        parts_first->order(open, actions);
         return actions.size();
       });
   Feasibility found;

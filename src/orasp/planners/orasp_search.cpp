@@ -217,11 +217,8 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
 
 Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                     const Budget& budget) {
-  const Stopwatch watch;
-  Result result = detail::from_the_end(
+  return detail::from_the_end(
       system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
-  result.statistics.seconds = watch.seconds();
-  return result;
 }
 
 }  // namespace orasp

@@ -27,13 +27,19 @@ namespace orasp::detail {
 /// Runs `plan(system)`, which returns a Result. Where steps make connections it is run backwards,
 /// from the product to where the work stands, and its sequence is turned round: from there more is
 /// known about what is still to come, and there are no dead ends of precedence. Not where the order
-/// of the work matters in itself (TransitionSystem::ordered).
+/// of the work matters in itself (TransitionSystem::ordered). Notes how long it took.
 template <class Plan>
 [[nodiscard]] Result from_the_end(const TransitionSystem& system, Plan&& plan) {
-  if (system.takes_apart() || system.ordered()) return plan(system);
-  const TransitionSystem backwards = system.backwards();
-  Result result = plan(backwards);
-  std::ranges::reverse(result.sequence);
+  const Stopwatch watch;
+  Result result;
+  if (system.takes_apart() || system.ordered()) {
+    result = plan(system);
+  } else {
+    const TransitionSystem backwards = system.backwards();
+    result = plan(backwards);
+    std::ranges::reverse(result.sequence);
+  }
+  result.statistics.seconds = watch.seconds();
   return result;
 }
 

@@ -81,7 +81,7 @@ struct Expander::Scratch {
   [[nodiscard]] bool ruled_out_first(SetView open, ConnectionIndex c) const;
   [[nodiscard]] std::optional<ConnectionIndex> waiting(SetView open, ConnectionIndex c);
   [[nodiscard]] bool goes_on(SetView open, ConnectionIndex c);
-  [[nodiscard]] bool goal_in_reach(ConnectionSet from);
+  [[nodiscard]] std::optional<bool> goal_in_reach(ConnectionSet from);
 };
 
 [[gnu::always_inline]] inline detail::StepFacts Expander::Scratch::counts(
