@@ -438,8 +438,16 @@ std::set<std::string> features_of(const ProblemSpec& spec, const oracle::OracleR
   if (limits.max_moved_mass) features.insert("max_moved_mass" + alone);
   if (number == 3) features.insert("all limits");
   if (spec.blocking) {
-    features.insert("blocking with " + std::to_string(spec.blocking->directions.size()) +
-                    " directions");
+    const auto& directions = spec.blocking->directions;
+    const auto named = std::ranges::count_if(directions, [](const BlockingDirection& direction) {
+      return direction.vector.has_value();
+    });
+    if (named > 1) features.insert("blocking with too many directions for a mask");
+    if (named == 1) features.insert("blocking with a named direction");
+    if (named <= 1)
+      features.insert("blocking with " +
+                      std::to_string(directions.size() + static_cast<std::size_t>(named)) +
+                      " directions");
   }
 
   std::set<std::set<std::string>> pairs;
@@ -528,6 +536,8 @@ TEST(RandomProblems, HaveEveryFeatureAmongTheSeeds) {
       {"blocking with 2 directions", 30},
       {"blocking with 4 directions", 30},
       {"blocking with 6 directions", 30},
+      {"blocking with a named direction", 30},
+      {"blocking with too many directions for a mask", 15},
       {"self-connection", 30},
       {"parallel connections", 60},
       {"part without a connection", 60},

@@ -343,7 +343,7 @@ ProblemSpec random_fleet(std::uint64_t seed) {
       const std::size_t j = (i + 1 + below(parts - 1)) % parts;
       blocking.blocked.push_back({.part = spec.parts[i].id,
                                   .by = spec.parts[j].id,
-                                  .directions = {blocking.directions[below(4)]}});
+                                  .directions = {blocking.directions[below(4)].id}});
     }
     spec.blocking = blocking;
   }

@@ -27,7 +27,10 @@ std::size_t position(const std::vector<Item>& items, const std::string& id) {
 }
 
 std::string opposite_of(const std::string& direction) {
-  return (direction[0] == '+' ? "-" : "+") + direction.substr(1);
+  const std::string rest = direction.substr(1);
+  if (direction[0] == '+') return "-" + rest;
+  if (direction[0] != '-') return "-" + direction;
+  return rest == "x" || rest == "y" || rest == "z" ? "+" + rest : rest;
 }
 
 std::size_t number_of(const State& set) {
@@ -141,7 +144,10 @@ World::World(const ProblemSpec& spec) : spec_(spec) {
     clauses_.push_back(std::move(clause));
   }
   if (spec_.blocking) {
-    for (const std::string& direction : spec_.blocking->directions) blocks_[direction];
+    for (const BlockingDirection& direction : spec_.blocking->directions) {
+      blocks_[direction.id];
+      blocks_[opposite_of(direction.id)];
+    }
     for (const Blocked& blocked : spec_.blocking->blocked) {
       const std::size_t part = position(spec_.parts, blocked.part);
       const std::size_t by = position(spec_.parts, blocked.by);
@@ -347,14 +353,17 @@ void World::judge_cut(const State& smaller, Facts& facts) const {
   if (limits.max_moved_mass && less(*limits.max_moved_mass, facts.moved_mass))
     broken.insert(Rule::MaxMovedMass);
   if (spec_.blocking) {
-    const auto is_free = [&](const std::string& direction) {
-      for (const Block& block : blocks_.at(direction)) {
-        if (facts.a.contains(block.first) && facts.b.contains(block.second)) return false;
-      }
-      return true;
-    };
-    const auto& directions = spec_.blocking->directions;
-    if (std::none_of(directions.begin(), directions.end(), is_free)) broken.insert(Rule::Blocking);
+    for (const auto& [direction, blocks] : blocks_) {
+      const auto in_the_way = [&](const Parts& moved, const Parts& kept) {
+        return std::any_of(blocks.begin(), blocks.end(), [&](const Block& block) {
+          return moved.contains(block.first) && kept.contains(block.second);
+        });
+      };
+      const bool a_moves = facts.moved == facts.a;
+      if (!in_the_way(a_moves ? facts.a : facts.b, a_moves ? facts.b : facts.a))
+        facts.free_directions.insert(direction);
+    }
+    if (facts.free_directions.empty()) broken.insert(Rule::Blocking);
   }
 }
 

@@ -60,7 +60,8 @@ struct Facts {
   double kept_mass = 0;
   std::size_t subassemblies = 0;  ///< after the step, whether it separates or not
   double reward = 0;
-  std::set<Rule> broken;  ///< the constraints that forbid it
+  std::set<std::string> free_directions;  ///< in which the moved piece can leave
+  std::set<Rule> broken;                  ///< the constraints that forbid it
   /// Those of them that earlier steps have broken already, and this step does not: it is too late.
   std::set<Rule> too_late;
 

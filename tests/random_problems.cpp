@@ -268,7 +268,7 @@ void add_blocking(ProblemSpec& spec, Draw& draw, const std::vector<double>& dens
     for (std::size_t j = 0; j < spec.parts.size(); ++j) {
       if (i == j) continue;
       Blocked blocked{.part = spec.parts[i].id, .by = spec.parts[j].id, .directions = {}};
-      for (const std::string& direction : blocking.directions) {
+      for (const auto& [direction, vector] : blocking.directions) {
         if (in_space) {
           const auto axis = static_cast<std::size_t>(direction[1] - 'x');
           bool same_row = true;
@@ -287,7 +287,38 @@ void add_blocking(ProblemSpec& spec, Draw& draw, const std::vector<double>& dens
   spec.blocking = blocking;
 }
 
+/// Of some problems the last pair of axes has a name of its own; of fewer it is there many times
+/// over, so that its directions do not fit a mask. The plans are the same.
+void name_directions(ProblemSpec& spec, std::uint64_t seed) {
+  if (!spec.blocking) return;
+  if (seed % 4 == 1) spec = with_named_directions(std::move(spec), 1);
+  if (seed % 16 == 3) spec = with_named_directions(std::move(spec), 14);
+}
+
 }  // namespace
+
+ProblemSpec with_named_directions(ProblemSpec spec, std::size_t copies) {
+  Blocking& blocking = *spec.blocking;
+  const std::string minus = blocking.directions.back().id;
+  const std::string plus = "+" + minus.substr(1);
+  blocking.directions.resize(blocking.directions.size() - 2);
+  const auto name = [](std::size_t i) { return "slant " + std::to_string(i); };
+  for (std::size_t i = 0; i < copies; ++i)
+    blocking.directions.push_back({name(i), Vector3{1, static_cast<double>(i), 1}});
+  for (Blocked& entry : blocking.blocked) {
+    std::vector<std::string> directions;
+    for (const std::string& direction : entry.directions) {
+      if (direction != plus && direction != minus) {
+        directions.push_back(direction);
+        continue;
+      }
+      for (std::size_t i = 0; i < copies; ++i)
+        directions.push_back((direction == minus ? "-" : "") + name(i));
+    }
+    entry.directions = directions;
+  }
+  return spec;
+}
 
 Objective random_objective(std::string_view type, std::uint64_t seed) {
   Draw draw(seed);
@@ -308,6 +339,7 @@ ProblemSpec random_problem(std::uint64_t seed) {
   if (draw.chance(0.5)) add_precedence(spec, draw);
   add_limits(spec, draw);
   if (!spec.parts.empty() && draw.chance(0.35)) add_blocking(spec, draw, {0.1, 0.25, 0.5, 0.7});
+  name_directions(spec, seed);
   return spec;
 }
 
@@ -339,6 +371,7 @@ ProblemSpec larger_random_problem(std::uint64_t seed) {
   if (draw.chance(0.5)) add_precedence(spec, draw);
   add_limits(spec, draw);
   if (draw.chance(0.35)) add_blocking(spec, draw, {0.05, 0.1});
+  name_directions(spec, seed);
   return spec;
 }
 

@@ -20,6 +20,10 @@ namespace orasp {
 /// (no `breaks` in assembly).
 [[nodiscard]] ProblemSpec make_uncertain(ProblemSpec spec, std::uint64_t seed);
 
+/// The same problem with the last pair of axes of its blocking replaced by `copies` pairs of named
+/// directions, all blocked as it was.
+[[nodiscard]] ProblemSpec with_named_directions(ProblemSpec spec, std::size_t copies);
+
 /// A random objective of the given type, a name of kObjectiveTypes or "callable".
 [[nodiscard]] Objective random_objective(std::string_view type, std::uint64_t seed);
 

@@ -99,7 +99,7 @@ std::multiset<std::string> bearing_on(const Problem& problem, const Step& step) 
   if (problem.limits().max_subassemblies) places.insert("limits.max_subassemblies");
   if (problem.limits().max_moved_parts) places.insert("limits.max_moved_parts");
   if (problem.limits().max_moved_mass) places.insert("limits.max_moved_mass");
-  if (problem.directions() != 0) places.insert("blocking");
+  if (!problem.directions().empty()) places.insert("blocking");
   return places;
 }
 
@@ -141,7 +141,7 @@ TEST(Grounds, WhatBearsOnAStepIsEitherMetOrViolated) {
 TEST(FreeDirections, AreNoneExactlyWhereBlockingIsViolated) {
   for (std::uint64_t seed = 1; seed < 1 + some_of(400U); ++seed) {
     const Problem problem(random_problem(seed));
-    if (problem.directions() == 0) continue;
+    if (problem.directions().empty()) continue;
     const TransitionSystem system(problem);
     Expander expander(system);
     ConnectionSet open = system.start();
@@ -154,7 +154,7 @@ TEST(FreeDirections, AreNoneExactlyWhereBlockingIsViolated) {
         const bool blocked = std::ranges::any_of(violations, [](const Violation& violation) {
           return violation.constraint == Constraint::Blocking;
         });
-        EXPECT_EQ(separates && expander.free_directions(open.view(), c) == 0, blocked) << seed;
+        EXPECT_EQ(separates && expander.free_directions(open.view(), c).empty(), blocked) << seed;
       });
       open.erase(last);
     }

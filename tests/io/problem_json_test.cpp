@@ -98,7 +98,7 @@ TEST(ProblemJson, ReadsEveryKey) {
   EXPECT_EQ(spec.connections[0].axis, "+x");
   EXPECT_EQ(spec.connections[1].id, "b-c d");
   EXPECT_EQ(spec.precedence[1].after_any, (std::vector<std::string>{"hinge", "b-c d"}));
-  EXPECT_EQ(problem.directions(), 0b11);
+  EXPECT_EQ(problem.direction_mask(), 0b11U);
   EXPECT_EQ(spec.limits.max_subassemblies, 4U);
   EXPECT_EQ(spec.limits.max_moved_parts, 3U);
   EXPECT_EQ(spec.limits.max_moved_mass, 20.5);
@@ -485,6 +485,77 @@ TEST(ProblemDigest, IgnoresTheOrderOfConstraints) {
             digest(with(R"("blocking": {"directions": ["-x", "+x"],
                                         "blocked": [{"part": "2", "by": "1", "directions": )"
                         R"(["-x"]}]})")));
+}
+
+std::string named(const std::string& directions, const std::string& blocked = R"("slant")") {
+  return with(R"("blocking": {"directions": [)" + directions +
+              R"(], "blocked": [{"part": "1", "by": "2", "directions": [)" + blocked + "]}]}");
+}
+
+TEST(ProblemJson, ReadsAndWritesNamedDirections) {
+  const std::string text =
+      named(R"("+z", {"id": "slant", "vector": [3, 0, 4.0], "note": "n", "x-y": 1}, "-z")",
+            R"("-slant")");
+  const Problem problem = parse_problem(text);
+  ASSERT_TRUE(problem.spec().blocking);
+  const auto& directions = problem.spec().blocking->directions;
+  ASSERT_EQ(directions.size(), 3U);
+  EXPECT_EQ(directions[0].vector, std::nullopt);
+  EXPECT_EQ(directions[1].id, "slant");
+  EXPECT_EQ(directions[1].vector, (Vector3{3, 0, 4}));
+  const std::string written = problem_text(problem);
+  EXPECT_NE(
+      written.find(R"("directions": ["+z", {"id": "slant", "vector": [3.0, 0.0, 4.0]}, "-z"])"),
+      std::string::npos)
+      << written;
+  EXPECT_EQ(problem_text(parse_problem(written)), written);
+  EXPECT_EQ(digest(written), digest(text));
+}
+
+TEST(ProblemJson, RefusesNamedDirectionsThatAreNone) {
+  EXPECT_EQ(fault(named(R"({"id": "slant"})")),
+            "blocking.directions[0]: the key \"vector\" is missing");
+  EXPECT_EQ(fault(named(R"({"id": "slant", "vector": [1, 2]})")),
+            "blocking.directions[0].vector: expected an array of 3 numbers, found 2");
+  EXPECT_EQ(fault(named(R"({"id": "slant", "vector": [0, 0, 0]})")),
+            "blocking.directions[0].vector: a vector of length 0 points nowhere");
+  EXPECT_EQ(
+      fault(named(R"({"id": "slant", "vektor": [0, 0, 1]})")),
+      "blocking.directions[0]: unknown key \"vektor\"; known keys are id, vector; did you mean "
+      "\"vector\"?");
+  EXPECT_EQ(fault(named(R"("+x", 3)")),
+            "blocking.directions[1]: expected an axis, such as \"+x\", or {\"id\": ..., "
+            "\"vector\": [x, y, z]}, found the number 3");
+}
+
+// The text is that of docs/format.md: the axes, then the named pairs by id, with vectors of length
+// 1.
+TEST(ProblemDigest, HoldsNamedDirectionsWithTheirVectors) {
+  const std::string slant = R"({"id": "slant", "vector": [0.6, 0, 0.8]})";
+  const std::string b = R"({"id": "b", "vector": [0, 2, 0]})";
+  const std::string text = digest(named(R"("+z", "-z", )" + slant + ", " + b, R"("slant", "+z")"));
+  EXPECT_EQ(digest(named(slant + R"(, "-z", )" + b + R"(, "+z")", R"("+z", "slant")")), text);
+  EXPECT_EQ(digest(named(R"("+z", "-z", {"id": "slant", "vector": [3e9, -0.0, 4e9]}, )" + b,
+                         R"("slant", "+z")")),
+            text);
+  EXPECT_NE(digest(named(R"("+z", "-z", {"id": "slant", "vector": [0.6, 0, 0.7]}, )" + b,
+                         R"("slant", "+z")")),
+            text);
+  EXPECT_NE(digest(named(R"("+z", "-z", )" + slant, R"("slant", "+z")")), text);
+  const Problem problem = parse_problem(
+      R"({"format": "orasp-problem/1", "parts": [{"id": "1"}, {"id": "2"}], "connections": [],)"
+      R"( "objective": {"type": "indexed"}, "blocking": {"directions": [)" +
+      slant + R"(, "+z", )" + b +
+      R"(, "-z"], "blocked": [{"part": "2", "by": "1", "directions": ["+z", "slant"]}]}})");
+  EXPECT_EQ(
+      problem_digest(problem),
+      detail::sha256_hex(
+          R"({"format":"orasp-problem/1","parts":[["1",1.0,null],["2",1.0,null]],)"
+          R"("connections":[],"precedence":[],)"
+          R"("blocking":{"directions":["+z","-z",["b",[0.0,1.0,0.0]],["slant",[0.6,0.0,0.8]]],)"
+          R"("blocked":[[0,1,["-z","-slant"]]]},)"
+          R"("limits":{"max_subassemblies":null,"max_moved_parts":null,"max_moved_mass":null},)"
+          R"("objective":{"type":"indexed"},"direction":"disassembly","fleet":null})"));
 }
 
 TEST(ProblemDigest, DiffersWherePlanningDiffers) {

@@ -1,5 +1,6 @@
 #include "orasp/model/problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -219,7 +220,8 @@ TEST(Problem, ClosesBlockingUnderAntisymmetryAndMergesEntries) {
       Blocking{.directions = {"+y", "-y", "-x", "+x"},
                .blocked = {{"1", "2", {"+x", "+x"}}, {"2", "1", {"-x", "+y"}}, {"3", "4", {}}}};
   const Problem problem(std::move(spec));
-  EXPECT_EQ(problem.directions(), 0b001111);
+  EXPECT_EQ(problem.directions(), (std::vector<DirectionIndex>{2, 3, 1, 0}));
+  EXPECT_EQ(problem.direction_mask(), 0b001111U);
   ASSERT_EQ(problem.blockers().size(), 5U);
   ASSERT_EQ(problem.blockers()[0].size(), 1U);
   EXPECT_EQ(problem.blockers()[0][0].by, 1U);
@@ -232,13 +234,15 @@ TEST(Problem, ClosesBlockingUnderAntisymmetryAndMergesEntries) {
 
 TEST(Problem, HasNoDirectionsWithoutBlocking) {
   const Problem problem(five_parts());
-  EXPECT_EQ(problem.directions(), 0);
+  EXPECT_TRUE(problem.directions().empty());
+  EXPECT_EQ(problem.direction_mask(), 0U);
   ASSERT_EQ(problem.blockers().size(), 5U);
   for (const std::vector<Blocker>& blockers : problem.blockers()) EXPECT_TRUE(blockers.empty());
 }
 
 TEST(Problem, RefusesDirectionsThatAreNotPairs) {
-  const auto with = [](std::vector<std::string> directions, std::vector<Blocked> blocked = {}) {
+  const auto with = [](std::vector<BlockingDirection> directions,
+                       std::vector<Blocked> blocked = {}) {
     return fault_with([&](ProblemSpec& spec) {
       spec.blocking = Blocking{.directions = directions, .blocked = blocked};
     });
@@ -249,10 +253,10 @@ TEST(Problem, RefusesDirectionsThatAreNotPairs) {
   EXPECT_EQ(with({"+x", "-x", "+z"}),
             "blocking.directions: \"+z\" is listed without its opposite \"-z\"");
   EXPECT_EQ(with({"+x", "-x", "-x"}), "blocking.directions[2]: \"-x\" is listed twice");
-  EXPECT_EQ(
-      with({"x"}),
-      "blocking.directions[0]: \"x\" is not a direction; directions are +x, -x, +y, -y, +z and "
-      "-z");
+  EXPECT_EQ(with({"x"}),
+            "blocking.directions[0]: \"x\" is not a direction; those without a vector are +x, -x, "
+            "+y, -y, "
+            "+z and -z");
   EXPECT_EQ(
       with({"+x", "-x"}, {{"1", "2", {"+x"}}, {"1", "2", {"-x", "+y"}}}),
       "blocking.blocked[1].directions[1]: \"+y\" is not in blocking.directions, which are +x, -x");
@@ -260,6 +264,114 @@ TEST(Problem, RefusesDirectionsThatAreNotPairs) {
             "blocking.blocked[0]: part \"1\" cannot be blocked by itself");
   EXPECT_EQ(with({"+x", "-x"}, {{"1", "8", {"+x"}}}),
             "blocking.blocked[0].by: no part \"8\"; parts are \"1\" to \"5\"");
+}
+
+TEST(Problem, NumbersNamedDirectionsByName) {
+  ProblemSpec spec = five_parts();
+  const Vector3 slant{3, 0, 4};
+  spec.blocking = Blocking{{"+z", {"up", {0, 0, 2}}, "-z", {"a lid's", slant}},
+                           {{"1", "2", {"up", "-a lid's"}}, {"2", "1", {"up"}}}};
+  const Problem problem(std::move(spec));
+  EXPECT_EQ(problem.directions(), (std::vector<DirectionIndex>{4, 8, 9, 5, 6, 7}));
+  std::vector<std::string> names;
+  for (const DirectionIndex d : problem.directions()) names.push_back(problem.direction_name(d));
+  EXPECT_EQ(names, (std::vector<std::string>{"+z", "up", "-up", "-z", "a lid's", "-a lid's"}));
+  EXPECT_EQ(problem.direction_vector(5), (Vector3{0, 0, -1}));
+  EXPECT_EQ(problem.direction_vector(8), (Vector3{0, 0, 1}));
+  EXPECT_NEAR(problem.direction_vector(7)[0], -0.6, 1e-15);
+  EXPECT_NEAR(problem.direction_vector(7)[2], -0.8, 1e-15);
+  EXPECT_EQ(problem.find_direction("-a lid's"), DirectionIndex(7));
+  EXPECT_EQ(problem.find_direction("+x"), std::nullopt);
+  EXPECT_EQ(problem.find_direction("lid"), std::nullopt);
+  ASSERT_TRUE(problem.has_direction_masks());
+  EXPECT_EQ(problem.blockers()[0][0].directions, 0b1110000000U);  // -a lid's, up, -up
+  EXPECT_EQ(problem.blockers()[1][0].directions, 0b1101000000U);
+}
+
+TEST(Problem, ManyDirectionsAreHeldAsSets) {
+  static_assert(sizeof(Blocker) == 8);
+  ProblemSpec spec = five_parts();
+  spec.blocking = Blocking{{"+x", "-x"}, {}};
+  std::vector<std::string> odd;
+  for (int i = 0; i < 100; ++i) {
+    const std::string name = "d" + std::to_string(100 + i);
+    spec.blocking->directions.push_back({name, Vector3{1, 0, static_cast<double>(i)}});
+    if (i % 2 == 1) odd.push_back(name);
+  }
+  spec.blocking->blocked = {{"1", "2", odd},
+                            {"2", "1", {"d100", "+x"}},
+                            {"3", "4", odd},
+                            {"3", "4", {"-d100"}},
+                            {"4", "5", {}}};
+  const Problem problem(std::move(spec));
+  ASSERT_FALSE(problem.has_direction_masks());
+  ASSERT_EQ(problem.direction_bits().size(), 4U);
+  ASSERT_EQ(problem.blockers()[0].size(), 1U);
+  const Blocker by_2 = problem.blockers()[0][0];
+  const Blocker by_4 = problem.blockers()[2][0];
+  EXPECT_NE(by_2.directions, by_4.directions);
+  for (const DirectionIndex d : problem.directions()) {
+    const std::string& name = problem.direction_name(d);
+    const bool is_odd = std::ranges::find(odd, name) != odd.end();
+    EXPECT_EQ(problem.blocks(by_2, d), is_odd || name == "-d100" || name == "-x") << name;
+    EXPECT_EQ(problem.blocks(by_4, d), is_odd || name == "-d100") << name;
+    EXPECT_EQ(problem.blocks(problem.blockers()[1][0], opposite(d)), problem.blocks(by_2, d));
+  }
+  std::vector<std::uint64_t> free(problem.direction_bits().begin(), problem.direction_bits().end());
+  EXPECT_TRUE(problem.take_out(by_2, free));
+  for (const DirectionIndex d : problem.directions())
+    EXPECT_EQ((free[d / 64U] >> d % 64U & 1U) != 0, !problem.blocks(by_2, d));
+  EXPECT_TRUE(problem.blockers()[3].size() == 1U && problem.blockers()[4].empty());
+}
+
+TEST(Problem, RefusesNamedDirections) {
+  const auto with = [](std::vector<BlockingDirection> directions,
+                       std::vector<Blocked> blocked = {}) {
+    return fault_with([&](ProblemSpec& spec) {
+      spec.blocking = Blocking{.directions = directions, .blocked = blocked};
+    });
+  };
+  const Vector3 up{0, 0, 1};
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(with({{"a", up}}), "no fault");
+  EXPECT_EQ(with({{"a", {1e-320, 0, 1e-320}}, {"b", {1e308, 1e308, 1e308}}}), "no fault");
+  EXPECT_EQ(with({{"a", {0, -0.0, 0}}}),
+            "blocking.directions[0].vector: a vector of length 0 points nowhere");
+  EXPECT_EQ(with({{"a", {0, kInfinite, 0}}}),
+            "blocking.directions[0].vector[1]: infinity is not a finite number");
+  EXPECT_EQ(with({{"a", up}, {"b", up}, {"a", up}}),
+            "blocking.directions[2].id: \"a\" is listed twice");
+  EXPECT_EQ(with({{"a", up}, "-a"}),
+            "blocking.directions[1]: \"-a\" is there already, as the opposite of \"a\"; leave it "
+            "out");
+  EXPECT_EQ(with({{"a", up}, "a"}), "blocking.directions[1]: \"a\" is listed twice");
+  EXPECT_EQ(with({{"-x", up}}),
+            "blocking.directions[0].id: \"-x\" is an axis and has no vector of its own; list it as "
+            "\"-x\", without one");
+  EXPECT_EQ(with({{"x", up}}),
+            "blocking.directions[0].id: \"x\" is not the id of a direction, since its opposite "
+            "would be the axis \"-x\"");
+  EXPECT_EQ(with({{"", up}}), "blocking.directions[0].id: an id must not be empty");
+  EXPECT_EQ(with({{"a ", up}}),
+            "blocking.directions[0].id: \"a \" is not an id; ids do not begin or end with a space");
+  for (const char* id : {"-a", "+a"})
+    EXPECT_EQ(with({{"a", up}, {id, up}}),
+              std::string("blocking.directions[1].id: \"") + id +
+                  "\" begins with a sign; an id does not, and the opposite of \"a\" is there with "
+                  "it, as \"-a\"");
+  EXPECT_EQ(with({"+x", "-x", {"slant", up}}, {{"1", "2", {"slan"}}}),
+            "blocking.blocked[0].directions[0]: \"slan\" is not in blocking.directions, which are "
+            "+x, -x, slant, -slant; did you mean \"slant\"?");
+  std::vector<BlockingDirection> many;
+  for (int i = 0; i < 4096; ++i) many.emplace_back("d" + std::to_string(i), up);
+  EXPECT_EQ(with(many), "no fault");
+  EXPECT_EQ(with(many, {{"1", "2", {"e"}}}),
+            "blocking.blocked[0].directions[0]: \"e\" is not in blocking.directions, which are d0, "
+            "-d0, d1, -d1, d2, -d2, d3, -d3, d4, -d4, d5, -d5 and 8180 more");
+  many.emplace_back("+x");
+  many.emplace_back("-x");
+  EXPECT_EQ(with(many),
+            "blocking.directions: more than 4096 pairs of directions, the most a problem may have");
 }
 
 TEST(Problem, NeedsPositionsForTravel) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <span>
 #include <utility>
@@ -26,31 +27,33 @@ std::vector<BlockedDirection> blocked_directions(const Problem& problem, const S
   std::vector<char> stays(problem.num_parts(), 0);
   for (const PartIndex part : step.moved()) moved[part] = 1;
   for (const PartIndex part : step.kept()) stays[part] = 1;
-  std::vector<BlockedDirection> directions;
-  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-    if ((problem.directions() >> d & 1U) == 0) continue;
-    BlockedDirection found;
-    found.direction = kDirectionNames[d];
+  struct Parts {
     std::set<PartIndex> blocked;
     std::set<PartIndex> in_the_way;
-    const auto& entries = problem.spec().blocking->blocked;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const auto along = [&](std::size_t direction) {
-        return std::ranges::find(entries[i].directions, kDirectionNames[direction]) !=
-               entries[i].directions.end();
-      };
-      const PartIndex part = problem.find_part(entries[i].part, "");
-      const PartIndex by = problem.find_part(entries[i].by, "");
-      const bool forward = moved[part] != 0 && stays[by] != 0 && along(d);
-      const bool backward = moved[by] != 0 && stays[part] != 0 && along(opposite(d));
-      if (!forward && !backward) continue;
-      blocked.insert(forward ? part : by);
-      in_the_way.insert(forward ? by : part);
-      found.entries.push_back(i);
+    std::set<std::size_t> entries;
+  };
+  std::map<DirectionIndex, Parts> along;
+  const auto& entries = problem.spec().blocking->blocked;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const PartIndex part = problem.find_part(entries[i].part, "");
+    const PartIndex by = problem.find_part(entries[i].by, "");
+    const bool forward = moved[part] != 0 && stays[by] != 0;
+    const bool backward = moved[by] != 0 && stays[part] != 0;
+    if (!forward && !backward) continue;
+    for (const std::string& name : entries[i].directions) {
+      const DirectionIndex direction = *problem.find_direction(name);
+      Parts& found = along[forward ? direction : opposite(direction)];
+      found.blocked.insert(forward ? part : by);
+      found.in_the_way.insert(forward ? by : part);
+      found.entries.insert(i);
     }
-    found.moved.assign(blocked.begin(), blocked.end());
-    found.in_the_way.assign(in_the_way.begin(), in_the_way.end());
-    directions.push_back(std::move(found));
+  }
+  std::vector<BlockedDirection> directions;
+  for (const auto& [direction, found] : along) {
+    directions.push_back({.direction = problem.direction_name(direction),
+                          .moved = {found.blocked.begin(), found.blocked.end()},
+                          .in_the_way = {found.in_the_way.begin(), found.in_the_way.end()},
+                          .entries = {found.entries.begin(), found.entries.end()}});
   }
   std::ranges::stable_sort(directions, {}, [](const BlockedDirection& direction) {
     return std::pair(direction.in_the_way.size(), direction.entries.size());

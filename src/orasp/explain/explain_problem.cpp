@@ -67,10 +67,8 @@ std::vector<Atom> atoms_of(const Problem& problem, const ConnectionSet& kept) {
   if (const auto& blocking = problem.spec().blocking) {
     for (std::size_t i = 0; i < blocking->blocked.size(); ++i) {
       std::set<std::size_t> directions;
-      for (const std::string& name : blocking->blocked[i].directions) {
-        const auto found = std::ranges::find(kDirectionNames, name);
-        directions.insert(static_cast<std::size_t>(found - kDirectionNames.begin()));
-      }
+      for (const std::string& name : blocking->blocked[i].directions)
+        directions.insert(*problem.find_direction(name));
       for (const std::size_t d : directions) atoms.push_back({Kind::Blocked, i, d});
     }
   }
@@ -140,7 +138,8 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
       case Kind::Inaccessible: break;
       case Kind::Blocked: {
         const Blocked& entry = full.blocking->blocked[atom.entry];
-        spec.blocking->blocked.push_back({entry.part, entry.by, {kDirectionNames[atom.member]}});
+        spec.blocking->blocked.push_back(
+            {entry.part, entry.by, {problem.direction_name(DirectionIndex(atom.member))}});
         break;
       }
     }
@@ -389,7 +388,7 @@ ConflictItem described(const Problem& problem, const Unit& unit,
   std::string directions;
   for (std::size_t i = 0; i < unit.size(); ++i) {
     if (i > 0) directions += i + 1 == unit.size() ? " and " : ", ";
-    directions += kDirectionNames[unit[i].member];
+    directions += problem.direction_name(DirectionIndex(unit[i].member));
   }
   return {Constraint::Blocking, "blocking.blocked[" + std::to_string(first.entry) + "]",
           in_quotes(entry.part) + " cannot leave " + in_quotes(entry.by) + " along " + directions};

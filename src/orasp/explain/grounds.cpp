@@ -118,12 +118,11 @@ struct Ways {
   std::vector<std::string> on;
 };
 
-Ways ways_of(DirectionMask free_of_a, bool a_moves) {
+Ways ways_of(const Problem& problem, const std::vector<DirectionIndex>& free) {
   Ways ways;
-  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-    if ((free_of_a >> (a_moves ? d : opposite(d)) & 1U) == 0) continue;
-    ways.off.emplace_back(kDirectionNames[d]);
-    ways.on.emplace_back(kDirectionNames[opposite(d)]);
+  for (const DirectionIndex d : free) {
+    ways.off.push_back(problem.direction_name(d));
+    ways.on.push_back(problem.direction_name(opposite(d)));
   }
   return ways;
 }
@@ -170,9 +169,9 @@ std::vector<std::vector<Ground>> grounds(const TransitionSystem& system,
                                  number_text(*limits.max_moved_mass) + " kg";
         found.push_back({Constraint::MaxMovedMass, "limits.max_moved_mass", text, text});
       }
-      if (const DirectionMask free = expander.free_directions(open.view(), c); free != 0) {
-        const Ways ways = ways_of(free, step.a_moves);
-        const bool every = free == problem.directions();
+      if (const auto free = expander.free_directions(open.view(), c); !free.empty()) {
+        const Ways ways = ways_of(problem, free);
+        const bool every = free.size() == problem.directions().size();
         found.push_back({Constraint::Blocking, "blocking",
                          every ? "nothing is in the way: free along " + joined(ways.off)
                                : "free to leave along " + joined(ways.off),

@@ -175,8 +175,9 @@ GraphEstimate estimate_without_constraints(const TransitionSystem& system) {
 bool unconstrained(const TransitionSystem& system) {
   const Problem& problem = system.problem();
   const Limits& limits = problem.limits();
-  return problem.precedence().empty() && !problem.directions() && !limits.max_subassemblies &&
-         !limits.max_moved_parts && !limits.max_moved_mass && !system.ordered();
+  return problem.precedence().empty() && problem.directions().empty() &&
+         !limits.max_subassemblies && !limits.max_moved_parts && !limits.max_moved_mass &&
+         !system.ordered();
 }
 
 GraphEstimate estimate_graph(const TransitionSystem& system) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -130,6 +131,15 @@ Precedence read_precedence(JsonValue value, const Place& place) {
   return rule;
 }
 
+BlockingDirection read_blocking_direction(JsonValue value, const Place& place) {
+  constexpr auto kKeys = std::to_array<std::string_view>({"id", "vector"});
+  if (value.is(JsonKind::String)) return {std::string(value.string())};
+  if (!value.is(JsonKind::Object))
+    fail_type(place, value, R"(an axis, such as "+x", or {"id": ..., "vector": [x, y, z]})");
+  const Members members(value, place, kKeys);
+  return {members.read_required("id", read_id), members.read_required("vector", read_point<3>)};
+}
+
 Blocked read_blocked(JsonValue value, const Place& place) {
   constexpr auto kKeys = std::to_array<std::string_view>({"part", "by", "directions"});
   const Members members(value, place, kKeys);
@@ -142,7 +152,10 @@ Blocking read_blocking(JsonValue value, const Place& place) {
   constexpr auto kKeys = std::to_array<std::string_view>({"directions", "blocked"});
   const Members members(value, place, kKeys);
   Blocking blocking;
-  blocking.directions = members.read_required("directions", read_directions);
+  blocking.directions =
+      members.read_required("directions", [](JsonValue list, const Place& list_place) {
+        return read_array(list, list_place, "an array of directions", read_blocking_direction);
+      });
   blocking.blocked = members.read_required("blocked", [](JsonValue list, const Place& list_place) {
     return read_array(list, list_place, "an array of objects", read_blocked);
   });
@@ -275,12 +288,9 @@ ordered_json limits_json(const Limits& limits, Defaults defaults) {
   return json;
 }
 
-ordered_json direction_names(DirectionMask directions) {
-  ordered_json names = ordered_json::array();
-  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-    if ((directions >> d & 1U) != 0) names.push_back(kDirectionNames[d]);
-  }
-  return names;
+ordered_json blocking_direction_json(const BlockingDirection& direction) {
+  if (!direction.vector) return direction.id;
+  return {{"id", direction.id}, {"vector", numbers(*direction.vector)}};
 }
 
 const char* direction_name(Direction direction) {
@@ -332,15 +342,34 @@ ordered_json canonical_precedence(const Problem& problem) {
 
 /// What blocks what after closing under antisymmetry, each pair once; null if nothing blocks.
 ordered_json canonical_blocking(const Problem& problem) {
+  // Whatever the order in the file: the axes, then the named pairs by id.
+  std::vector<DirectionIndex> sorted = problem.directions();
+  std::ranges::sort(sorted);
   ordered_json blocked = ordered_json::array();
   for (std::size_t part = 0; part < problem.num_parts(); ++part) {
     for (const Blocker& blocker : problem.blockers()[part]) {
-      if (part < blocker.by)
-        blocked.push_back({part, blocker.by, direction_names(blocker.directions)});
+      if (part >= blocker.by) continue;
+      ordered_json names = ordered_json::array();
+      for (const DirectionIndex d : sorted) {
+        if (problem.blocks(blocker, d)) names.push_back(problem.direction_name(d));
+      }
+      blocked.push_back({part, blocker.by, std::move(names)});
     }
   }
   if (blocked.empty()) return nullptr;
-  return {{"directions", direction_names(problem.directions())}, {"blocked", std::move(blocked)}};
+  ordered_json directions = ordered_json::array();
+  for (const DirectionIndex d : sorted) {
+    if (d < kDirectionNames.size()) {
+      directions.push_back(problem.direction_name(d));
+    } else if (d % 2 == 0) {
+      // Rounded, so that vectors that differ in length alone are the same.
+      constexpr double kDigits = 1e12;
+      Vector3 vector = problem.direction_vector(d);
+      for (double& number : vector) number = std::round(number * kDigits) / kDigits;
+      directions.push_back({problem.direction_name(d), numbers(vector)});
+    }
+  }
+  return {{"directions", std::move(directions)}, {"blocked", std::move(blocked)}};
 }
 
 /// docs/format.md, section "Digest". Changing one byte of this changes the digest of every problem.
@@ -448,7 +477,10 @@ std::string problem_text(const Problem& problem) {
     const std::string blocked = lines(spec.blocking->blocked, "    ", [](const Blocked& entry) {
       return ordered_json{{"part", entry.part}, {"by", entry.by}, {"directions", entry.directions}};
     });
-    put("blocking", "{\n    \"directions\": " + detail::inline_text(spec.blocking->directions) +
+    ordered_json directions = ordered_json::array();
+    for (const BlockingDirection& direction : spec.blocking->directions)
+      directions.push_back(blocking_direction_json(direction));
+    put("blocking", "{\n    \"directions\": " + detail::inline_text(directions) +
                         ",\n    \"blocked\": " + blocked + "\n  }");
   }
   const ordered_json limits = limits_json(spec.limits, Defaults::LeftOut);

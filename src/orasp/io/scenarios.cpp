@@ -100,7 +100,7 @@ std::string summary(const Problem& problem) {
                                  problem.num_parts(), problem.num_connections());
   const Limits& limits = problem.limits();
   if (!problem.precedence().empty()) text += ", precedence";
-  if (problem.directions() != 0) text += ", blocking";
+  if (!problem.directions().empty()) text += ", blocking";
   if (limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass)
     text += ", limits";
   if (problem.spec().fleet) text += fmt::format(", {} robots", problem.spec().fleet->robots);

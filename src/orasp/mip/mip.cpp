@@ -598,12 +598,12 @@ class ProgramBuilder {
       return member[side][i] =
                  add_member(mip_name(side == 0 ? "first" : "second", i + 1, t), roots[side], i, t);
     };
-    std::array<std::optional<MipColumn>, kDirectionNames.size()> free;
+    std::map<DirectionIndex, MipColumn> free;
+    for (const DirectionIndex d : problem_.directions()) free[d];
     MipSum some = MipSum().add(separates(t), -1);
-    for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-      if ((problem_.directions() >> d & 1) == 0) continue;
-      free[d] = model_.add_binary(mip_name("free", d + 1, t));
-      some.add(*free[d], 1);
+    for (auto& [d, column] : free) {
+      column = model_.add_binary(mip_name("free", d + 1, t));
+      some.add(column, 1);
     }
     model_.add_row(mip_name("some_free", t), some, MipSense::AtLeast, 0);
     for (PartIndex i = 0; i < problem_.num_parts(); ++i) {
@@ -611,10 +611,10 @@ class ProgramBuilder {
         // Parts of different starting pieces are never on two sides of a cut.
         if (!pieces_.contains(start_pieces_[i]) || start_pieces_[i] != start_pieces_[blocker.by])
           continue;
-        for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-          if (!free[d] || (blocker.directions >> d & 1) == 0) continue;
+        for (const auto& [d, column] : free) {
+          if (!problem_.blocks(blocker, d)) continue;
           MipSum blocked;
-          blocked.add(is_on(0, i), 1).add(is_on(1, blocker.by), 1).add(*free[d], 1);
+          blocked.add(is_on(0, i), 1).add(is_on(1, blocker.by), 1).add(column, 1);
           model_.add_row(mip_name("blocked", i + 1, blocker.by + 1, d + 1, t), blocked,
                          MipSense::AtMost, 2);
         }

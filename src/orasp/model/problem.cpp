@@ -32,16 +32,8 @@ void require_utf8(const std::string& text, const std::string& place) {
   if (detail::ill_formed_utf8(text)) fail(place, in_quotes(text) + " is not valid UTF-8");
 }
 
-/// Ids stand in plans, one a line too: they must be readable there and come back unchanged.
 void require_id(const std::string& id, const std::string& place) {
-  if (id.empty()) fail(place, "an id must not be empty");
-  require_utf8(id, place);
-  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
-  if (std::ranges::any_of(id, control))
-    fail(place, in_quotes(id) + " is not an id; ids hold no control characters");
-  if (id.front() == ' ' || id.back() == ' ') {
-    fail(place, in_quotes(id) + " is not an id; ids do not begin or end with a space");
-  }
+  if (const auto fault = detail::id_fault(id)) fail(place, *fault);
 }
 
 void require_finite(double number, const std::string& place) {
@@ -73,28 +65,8 @@ std::optional<std::size_t> direction_index(const std::string& name) {
   return static_cast<std::size_t>(found - kDirectionNames.begin());
 }
 
-constexpr DirectionMask bit(std::size_t direction) {
-  return static_cast<DirectionMask>(1U << direction);
-}
-
-DirectionMask opposites(DirectionMask directions) {
-  constexpr unsigned kPlus = 0b010101;
-  const unsigned mask = directions;
-  return static_cast<DirectionMask>((mask & kPlus) << 1U | (mask >> 1U & kPlus));
-}
-
 std::string no_direction(const std::string& name) {
   return in_quotes(name) + " is not a direction; directions are +x, -x, +y, -y, +z and -z";
-}
-
-std::string direction_list(DirectionMask directions) {
-  std::string text;
-  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-    if ((directions & bit(d)) == 0) continue;
-    if (!text.empty()) text += ", ";
-    text += kDirectionNames[d];
-  }
-  return text;
 }
 
 template <class Index>
@@ -238,73 +210,6 @@ void Problem::index_precedence() {
   }
 }
 
-void Problem::index_blocking() {
-  blockers_.resize(spec_.parts.size());
-  if (!spec_.blocking) return;
-  const Blocking& blocking = *spec_.blocking;
-  if (blocking.directions.empty()) {
-    fail("blocking.directions",
-         "at least one pair of directions is needed, or no part could ever leave another");
-  }
-  for (std::size_t i = 0; i < blocking.directions.size(); ++i) {
-    const std::string& name = blocking.directions[i];
-    const auto direction = direction_index(name);
-    if (!direction) fail(element("blocking.directions", i), no_direction(name));
-    if ((directions_ & bit(*direction)) != 0)
-      fail(element("blocking.directions", i), in_quotes(name) + " is listed twice");
-    directions_ |= bit(*direction);
-  }
-  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-    if ((directions_ & bit(d)) != 0 && (directions_ & bit(opposite(d))) == 0) {
-      fail("blocking.directions", in_quotes(kDirectionNames[d]) +
-                                      " is listed without its opposite " +
-                                      in_quotes(kDirectionNames[opposite(d)]));
-    }
-  }
-
-  for (std::size_t i = 0; i < blocking.blocked.size(); ++i) {
-    const Blocked& entry = blocking.blocked[i];
-    const auto place = [i] {
-      return element("blocking.blocked", i);
-    };  // only made for a message: lists are long
-    const auto part_index = [&](const std::string& id, const char* key) {
-      const auto found = part_by_id_.find(id);
-      return found != part_by_id_.end() ? found->second : find_part(id, place() + key);
-    };
-    const PartIndex part = part_index(entry.part, ".part");
-    const PartIndex by = part_index(entry.by, ".by");
-    if (part == by) fail(place(), "part " + in_quotes(entry.part) + " cannot be blocked by itself");
-    DirectionMask mask = 0;
-    for (std::size_t k = 0; k < entry.directions.size(); ++k) {
-      const std::string& name = entry.directions[k];
-      const auto direction = direction_index(name);
-      if (!direction) fail(element(place() + ".directions", k), no_direction(name));
-      if ((directions_ & bit(*direction)) == 0) {
-        fail(element(place() + ".directions", k), in_quotes(name) +
-                                                      " is not in blocking.directions, which are " +
-                                                      direction_list(directions_));
-      }
-      mask |= bit(*direction);
-    }
-    if (mask == 0) continue;
-    blockers_[part].push_back({by, mask});
-    blockers_[by].push_back({part, opposites(mask)});
-  }
-  for (std::vector<Blocker>& blockers : blockers_) {
-    std::ranges::sort(blockers, {}, &Blocker::by);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < blockers.size(); ++i) {
-      if (kept > 0 && blockers[kept - 1].by == blockers[i].by) {
-        blockers[kept - 1].directions |= blockers[i].directions;
-      } else {
-        blockers[kept++] = blockers[i];
-      }
-    }
-    blockers.resize(kept);
-    blockers.shrink_to_fit();
-  }
-}
-
 void Problem::check_limits() const {
   if (spec_.limits.max_moved_mass)
     require_not_negative(*spec_.limits.max_moved_mass, "limits.max_moved_mass");
@@ -332,6 +237,13 @@ void Problem::check_fleet() const {
       fail(element("precedence", i) + ".made_after_any",
            "a fleet of robots takes a product apart, and its precedence is stated that way, with "
            "after, after_any or made_after");
+  }
+  for (std::size_t i = 0; spec_.blocking && i < spec_.blocking->directions.size(); ++i) {
+    const BlockingDirection& direction = spec_.blocking->directions[i];
+    if (direction.vector)
+      fail(element("blocking.directions", i), "robots of a fleet move along the axes, and " +
+                                                  in_quotes(direction.id) +
+                                                  " is a direction of its own");
   }
   const Fleet& fleet = *spec_.fleet;
   if (fleet.robots < 1) fail("fleet.robots", "0 is not allowed; a fleet has at least 1 robot");

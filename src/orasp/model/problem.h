@@ -2,9 +2,13 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "orasp/model/connection_set.h"
@@ -16,6 +20,8 @@ namespace orasp {
 /// The largest problem that loads. Beyond it a plan's own text runs to hundreds of megabytes.
 inline constexpr std::size_t kMaxConnections = 16'384;
 inline constexpr std::size_t kMaxParts = 16'384;
+/// Pairs of opposite directions that blocking may consider.
+inline constexpr std::size_t kMaxDirectionPairs = 4'096;
 
 /// A node of the assembly graph.
 struct Part {
@@ -65,8 +71,23 @@ struct Blocked {
   std::vector<std::string> directions{};
 };
 
+/// A way in which a piece may leave: one of the axes +x -x +y -y +z -z, which has no vector, or a
+/// direction with an id of its own, which has one. The opposite of "slant" is there with it, and is
+/// named "-slant"; that of an axis is listed like the axis.
+struct BlockingDirection {
+  std::string id{};
+  std::optional<Vector3> vector{};  ///< of any length but 0
+
+  BlockingDirection() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): the name of an axis becomes one unasked.
+  BlockingDirection(std::string axis) : id(std::move(axis)) {}
+  // NOLINTNEXTLINE(google-explicit-constructor): the same.
+  BlockingDirection(const char* axis) : id(axis) {}
+  BlockingDirection(std::string name, const Vector3& along) : id(std::move(name)), vector(along) {}
+};
+
 struct Blocking {
-  std::vector<std::string> directions{};  ///< opposite pairs out of +x -x +y -y +z -z
+  std::vector<BlockingDirection> directions{};
   std::vector<Blocked> blocked{};
 };
 
@@ -101,12 +122,18 @@ struct ProblemSpec {
   std::optional<Fleet> fleet{};
 };
 
-/// Six directions as bits; opposite directions are neighbours: 0 +x, 1 -x, 2 +y, 3 -y, 4 +z, 5 -z.
-using DirectionMask = unsigned char;
+/// The number of a direction. Opposite directions are neighbours: 0 +x, 1 -x, 2 +y, 3 -y, 4 +z, 5
+/// -z; from 6 on the named ones, by name, each followed by its opposite.
+using DirectionIndex = Index<struct DirectionKind, std::uint16_t>;
 inline constexpr std::array<const char*, 6> kDirectionNames = {"+x", "-x", "+y", "-y", "+z", "-z"};
 [[nodiscard]] constexpr std::size_t opposite(std::size_t direction) {
   return direction ^ 1U;
 }
+[[nodiscard]] constexpr DirectionIndex opposite(DirectionIndex direction) {
+  return static_cast<DirectionIndex>(direction.value() ^ 1U);
+}
+/// A set of directions, a bit for each number, where numbers are below 32.
+using DirectionMask = std::uint32_t;
 
 /// One clause of precedence over indices: see Precedence. `entry` is its position in
 /// ProblemSpec::precedence. That "b" is made after "a" is the clause that "a" is removed after "b",
@@ -120,7 +147,8 @@ struct PrecedenceClause {
 };
 
 /// A blocker of a part: `by` stands in the way of `part` along `directions` (closed under
-/// antisymmetry).
+/// antisymmetry). These are a mask where Problem::has_direction_masks(), else the number of a set
+/// that the problem holds; Problem::blocks() and Problem::take_out() read both.
 struct Blocker {
   PartIndex by{};
   DirectionMask directions{};
@@ -173,8 +201,44 @@ class Problem {
   [[nodiscard]] const std::vector<PrecedenceClause>& precedence() const { return precedence_; }
   /// Blockers of each part, by ascending `by`; empty vectors where nothing blocks.
   [[nodiscard]] const std::vector<std::vector<Blocker>>& blockers() const { return blockers_; }
-  /// The directions that blocking considers; 0 where the problem has no blocking.
-  [[nodiscard]] DirectionMask directions() const { return directions_; }
+  /// The directions that blocking considers, in the order of the file, each named one followed by
+  /// its opposite; empty where the problem has no blocking.
+  [[nodiscard]] const std::vector<DirectionIndex>& directions() const { return directions_; }
+  /// "+x", "slant", "-slant"; of one of directions().
+  [[nodiscard]] const std::string& direction_name(DirectionIndex direction) const {
+    return direction_names_[direction];
+  }
+  /// Of length 1.
+  [[nodiscard]] Vector3 direction_vector(DirectionIndex direction) const;
+  /// The one of directions() with that name.
+  [[nodiscard]] std::optional<DirectionIndex> find_direction(std::string_view name) const;
+  /// directions() as bits, 64 a word, a bit for each number; no word where there is no blocking.
+  [[nodiscard]] std::span<const std::uint64_t> direction_bits() const { return direction_bits_; }
+  /// Whether the numbers of directions are below 32, so that Blocker::directions is a mask.
+  [[nodiscard]] bool has_direction_masks() const { return has_direction_masks_; }
+  /// directions() as a mask, where has_direction_masks().
+  [[nodiscard]] DirectionMask direction_mask() const {
+    return direction_bits_.empty() ? 0 : static_cast<DirectionMask>(direction_bits_[0]);
+  }
+  /// The directions of a blocker as bits, where there are no masks.
+  [[nodiscard]] std::span<const std::uint64_t> direction_set(const Blocker& blocker) const {
+    const std::size_t words = direction_bits_.size();
+    return {direction_sets_.data() + blocker.directions * words, words};
+  }
+  /// Whether it stands in the way along `direction`.
+  [[nodiscard]] bool blocks(const Blocker& blocker, std::size_t direction) const {
+    if (has_direction_masks_) return (blocker.directions >> direction & 1U) != 0;
+    return (direction_set(blocker)[direction / 64] >> direction % 64 & 1U) != 0;
+  }
+  /// Takes the directions of a blocker out of `free`, which is as long as direction_bits(). Returns
+  /// whether any are left.
+  bool take_out(const Blocker& blocker, std::span<std::uint64_t> free) const {
+    if (has_direction_masks_) return (free[0] &= ~std::uint64_t{blocker.directions}) != 0;
+    const std::span<const std::uint64_t> blocked = direction_set(blocker);
+    std::uint64_t left = 0;
+    for (std::size_t w = 0; w < free.size(); ++w) left |= free[w] &= ~blocked[w];
+    return left != 0;
+  }
 
   /// Things worth telling the user though nothing is wrong: a connection of a part to itself.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
@@ -191,6 +255,9 @@ class Problem {
   void index_breaks();
   void index_precedence();
   void index_blocking();
+  void index_directions();
+  void index_blockers_by_masks();
+  void index_blockers_by_sets();
   void check_limits() const;
   void check_fleet() const;
 
@@ -201,7 +268,13 @@ class Problem {
   std::vector<std::vector<ConnectionIndex>> breaks_;
   std::vector<PrecedenceClause> precedence_;
   std::vector<std::vector<Blocker>> blockers_;
-  DirectionMask directions_ = 0;
+  std::vector<DirectionIndex> directions_;
+  std::vector<std::string> direction_names_;  ///< by number
+  std::vector<Vector3> named_vectors_;        ///< one for each named pair, of length 1
+  std::unordered_map<std::string, DirectionIndex> direction_by_name_;  ///< the named ones
+  std::vector<std::uint64_t> direction_bits_;
+  bool has_direction_masks_ = true;
+  std::vector<std::uint64_t> direction_sets_;  ///< different ones, where there are no masks
   std::vector<std::string> warnings_;
 };
 

@@ -143,21 +143,40 @@ StepFacts Expander::Scratch::flooded_facts(SetView open, ConnectionIndex c) {
   return facts;
 }
 
-// Directions in which no part of A is blocked by a part of B. By antisymmetry B may leave A along
-// their opposites, so it does not matter which of the two moves: the smaller one is looked at.
-DirectionMask Expander::Scratch::free_directions() {
+// Calls visit(blocker) for each blocker of a part of the smaller side that is on the other one.
+// What a part blocks for another, the other blocks for it along the opposite, so it does not matter
+// which of the two sides is looked at.
+template <class Visit>
+[[gnu::always_inline]] inline void Expander::Scratch::for_each_blocker_across(Visit&& visit) {
   const bool a_is_few = pieces.a.parts() <= pieces.b.parts();
   const Side& few = a_is_few ? pieces.a : pieces.b;
   const Side& many = a_is_few ? pieces.b : pieces.a;
-  DirectionMask blocked = 0;
   many.for_each([&](PartIndex part) { mark[part] = 1; });
   few.for_each([&](PartIndex part) {
     for (const Blocker& blocker : problem.blockers()[part]) {
-      if (mark[blocker.by] != 0) blocked |= blocker.directions;
+      if (mark[blocker.by] != 0) visit(blocker);
     }
   });
   many.for_each([&](PartIndex part) { mark[part] = 0; });
-  return static_cast<DirectionMask>(problem.directions() & ~blocked);
+}
+
+// Whether there is a direction in which no part of A is blocked by a part of B.
+bool Expander::Scratch::some_direction_free() {
+  if (!problem.has_direction_masks()) return !free_directions_of_few().empty();
+  DirectionMask blocked = 0;
+  for_each_blocker_across([&](const Blocker& blocker) { blocked |= blocker.directions; });
+  return (problem.direction_mask() & ~blocked) != 0;
+}
+
+// The directions in which the smaller side (A if there is none) can leave the other, as bits; empty
+// where none is free.
+std::span<const std::uint64_t> Expander::Scratch::free_directions_of_few() {
+  const auto all = problem.direction_bits();
+  free_bits.assign(all.begin(), all.end());
+  bool some = true;
+  for_each_blocker_across(
+      [&](const Blocker& blocker) { some = some && problem.take_out(blocker, free_bits); });
+  return some ? free_bits : std::span<const std::uint64_t>{};
 }
 
 bool Expander::Scratch::separation_legal(const StepFacts& facts) {
@@ -166,7 +185,7 @@ bool Expander::Scratch::separation_legal(const StepFacts& facts) {
   if (rules.max_moved_mass != kInfinity &&
       !at_most(pieces.movement(facts).moved_mass, rules.max_moved_mass))
     return false;
-  return !rules.blocking || free_directions() != 0;
+  return !rules.blocking || some_direction_free();
 }
 
 double Expander::Scratch::reward(const StepFacts& facts) const {
@@ -325,6 +344,8 @@ Step Expander::step(SetView open, ConnectionIndex connection) {
   const StepFacts facts = scratch_->flooded_facts(open, connection);
   Step step = scratch_->pieces.full_step(facts);
   step.reward = scratch_->reward(facts);
+  if (facts.separates && !scratch_->problem.directions().empty())
+    step.free_directions = scratch_->free_directions_of_moved(facts);
   return step;
 }
 
@@ -365,16 +386,23 @@ std::optional<ConnectionIndex> Expander::Scratch::waiting(SetView open, Connecti
   return other;
 }
 
-DirectionMask Expander::free_directions(SetView open, ConnectionIndex connection) {
+std::vector<DirectionIndex> Expander::free_directions(SetView open, ConnectionIndex connection) {
   Scratch& s = *scratch_;
-  if (s.problem.directions() == 0 || !s.flooded_facts(open, connection).separates) return 0;
-  const DirectionMask free = s.free_directions();  // of the smaller side
-  if (s.pieces.a.parts() <= s.pieces.b.parts()) return free;
-  DirectionMask of_a = 0;
-  for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-    if ((free >> d & 1U) != 0) of_a = static_cast<DirectionMask>(of_a | 1U << opposite(d));
+  if (s.problem.directions().empty()) return {};
+  const StepFacts facts = s.flooded_facts(open, connection);
+  return facts.separates ? s.free_directions_of_moved(facts) : std::vector<DirectionIndex>{};
+}
+
+std::vector<DirectionIndex> Expander::Scratch::free_directions_of_moved(const StepFacts& facts) {
+  const auto of_few = free_directions_of_few();
+  if (of_few.empty()) return {};
+  const bool few_moves = pieces.movement(facts).a_moves == (facts.a_parts <= facts.b_parts);
+  std::vector<DirectionIndex> free;
+  for (const DirectionIndex d : problem.directions()) {
+    const DirectionIndex way_of_few = few_moves ? d : opposite(d);
+    if ((of_few[way_of_few / 64U] >> way_of_few % 64U & 1U) != 0) free.push_back(d);
   }
-  return of_a;
+  return free;
 }
 
 // -------------------------------------------------------------------------------------------------

@@ -41,6 +41,12 @@ struct Step {
   double kept_mass = 0;           ///< kg; 0 unless it separates
   std::size_t subassemblies = 0;  ///< pieces with two or more parts after the step
   double reward = 0;
+  /// The directions in which the moved piece can leave the other, in the order of the file; empty
+  /// unless it separates and the problem has blocking. Of a step of an assembly: the opposites of
+  /// those in which it can arrive. Not yet known when an objective is asked for the reward.
+  std::vector<DirectionIndex> free_directions{};
+  /// The one in which it leaves, in a plan (model/step_directions.h).
+  std::optional<DirectionIndex> direction{};
 
   [[nodiscard]] const std::vector<PartIndex>& moved() const { return a_moves ? a : b; }
   [[nodiscard]] const std::vector<PartIndex>& kept() const { return a_moves ? b : a; }
@@ -264,11 +270,10 @@ class Expander {
   /// connections).
   [[nodiscard]] std::vector<Violation> violations(SetView open, ConnectionIndex connection);
 
-  /// The directions in which A can leave B where handling `connection`, which must be open,
-  /// separates or joins the two; those of the problem's blocking that are left. Nothing where the
-  /// step cuts nothing or the problem has no blocking. B can leave A along their opposites. O(parts
-  /// + connections).
-  [[nodiscard]] DirectionMask free_directions(SetView open, ConnectionIndex connection);
+  /// Step::free_directions of the step that handles `connection`, which must be open. O(parts +
+  /// connections + directions).
+  [[nodiscard]] std::vector<DirectionIndex> free_directions(SetView open,
+                                                            ConnectionIndex connection);
 
   // Pieces on their own, in disassembly, for objectives with TransitionSystem::sees_piece_only().
 

@@ -237,7 +237,7 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
   const StepFacts facts = s.flooded_facts(open, connection);
   if (facts.separates) {
     reasons.limits(facts, s.pieces);
-    if (s.rules.blocking && s.free_directions() == 0) reasons.blocking(s.pieces);
+    if (s.rules.blocking && !s.some_direction_free()) reasons.blocking(s.pieces);
   }
   return std::move(reasons).found();
 }

@@ -169,18 +169,8 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
   const auto broken = broken_rules(problem, plan, evaluation);
   const std::size_t n = steps.size();
 
-  // The ways in which the moved piece can leave, for a drawing in space.
-  std::vector<ordered_json> ways(n);
-  Expander expander(system);
   ConnectionSet open = system.start();
-  for (std::size_t i = 0; i < n; ++i) {
-    const DirectionMask free = expander.free_directions(open.view(), steps[i].connection);
-    for (std::size_t d = 0; d < kDirectionNames.size(); ++d) {
-      if ((free >> (steps[i].a_moves ? d : opposite(d)) & 1U) != 0)
-        ways[i].push_back(kDirectionNames[d]);
-    }
-    open.erase(steps[i].connection);
-  }
+  for (const Step& step : steps) open.erase(step.connection);
   Pieces pieces(problem, system.present(assembly ? open.view() : system.start().view()));
   ordered_json labels = pieces.first_labels();
   ordered_json states = ordered_json::array();
@@ -204,7 +194,10 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
       const auto [from, to] = pieces.split(step.moved());
       entry["split"] = {from, to};
       entry["moved"] = step.moved();
-      if (!ways[i].is_null()) entry["ways"] = std::move(ways[i]);
+      // The axes along which the moved piece can leave, for a drawing in space.
+      for (const DirectionIndex way : step.free_directions) {
+        if (way < kDirectionNames.size()) entry["ways"].push_back(problem.direction_name(way));
+      }
     }
     note_state();
     ordered_json reasons = ordered_json::array();

@@ -43,10 +43,12 @@ struct Piece {
 class Replayer {
  public:
   Replayer(const Problem& problem, const Situation& situation,
-           std::span<const ConnectionIndex> sequence, bool with_steps)
+           std::span<const ConnectionIndex> sequence, bool with_steps,
+           std::span<const std::optional<DirectionIndex>> directions)
       : problem_(problem),
         situation_(situation),
         sequence_(sequence),
+        directions_(directions),
         assembly_(problem.direction() == Direction::Assembly),
         reward_(problem),
         with_steps_(with_steps),
@@ -90,9 +92,11 @@ class Replayer {
   [[nodiscard]] double mass(const Piece& piece) const;
   [[nodiscard]] bool first_moves(const Piece& a, const Piece& b) const;
   template <class InOther>
-  [[nodiscard]] bool blocked(std::span<const PartIndex> few, InOther&& in_other) const;
+  [[nodiscard]] bool blocked(std::span<const PartIndex> few, InOther&& in_other);
   [[nodiscard]] std::span<const PartIndex> members(PartIndex piece);
   [[nodiscard]] bool each_blocks_the_other(PartIndex a, PartIndex b);
+  [[nodiscard]] std::vector<DirectionIndex> ways_out(PartIndex moved, PartIndex kept);
+  void judge_direction(const Made& made, const Step& step, PartIndex a, PartIndex b);
   void judge_cut(const Made& step, PartIndex a, PartIndex b);
   [[nodiscard]] bool cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const;
   void make(const Made& step);
@@ -107,6 +111,7 @@ class Replayer {
   const Problem& problem_;
   const Situation& situation_;
   std::span<const ConnectionIndex> sequence_;
+  std::span<const std::optional<DirectionIndex>> directions_;
   bool assembly_;
   CheckedReward reward_;
   bool with_steps_;
@@ -125,6 +130,7 @@ class Replayer {
   std::size_t subassemblies_ = 0;
   bool equal_masses_ = true;
   std::vector<PartIndex> listed_;
+  std::vector<std::uint64_t> free_;  ///< directions, as bits
 
   // For late connections.
   std::vector<ConnectionIndex> ordinary_;             ///< to be handled and not late
@@ -395,13 +401,12 @@ bool Replayer::first_moves(const Piece& a, const Piece& b) const {
 // What one part blocks for another, the other blocks for the one along the opposite direction, so
 // it is enough to look at the blockers of the smaller side.
 template <class InOther>
-bool Replayer::blocked(std::span<const PartIndex> few, InOther&& in_other) const {
-  unsigned free = problem_.directions();
+bool Replayer::blocked(std::span<const PartIndex> few, InOther&& in_other) {
+  const auto all = problem_.direction_bits();
+  free_.assign(all.begin(), all.end());
   for (const PartIndex part : few) {
     for (const Blocker& blocker : problem_.blockers()[part]) {
-      if (!in_other(blocker.by)) continue;
-      free &= ~static_cast<unsigned>(blocker.directions);
-      if (free == 0) return true;
+      if (in_other(blocker.by) && !problem_.take_out(blocker, free_)) return true;
     }
   }
   return false;
@@ -409,9 +414,39 @@ bool Replayer::blocked(std::span<const PartIndex> few, InOther&& in_other) const
 
 // Whether two pieces, as they are now, leave no direction in which they come apart.
 bool Replayer::each_blocks_the_other(PartIndex a, PartIndex b) {
-  if (problem_.directions() == 0) return false;
+  if (problem_.directions().empty()) return false;
   const auto [few, many] = pieces_[a].parts <= pieces_[b].parts ? std::pair{a, b} : std::pair{b, a};
   return blocked(members(few), [&](PartIndex part) { return piece_of_[part] == many; });
+}
+
+// The directions in which one piece can leave another, in the order of the file.
+std::vector<DirectionIndex> Replayer::ways_out(PartIndex moved, PartIndex kept) {
+  if (problem_.directions().empty() || each_blocks_the_other(moved, kept)) return {};
+  // What is free is so for the piece of fewer parts.
+  const bool forth = pieces_[moved].parts <= pieces_[kept].parts;
+  std::vector<DirectionIndex> ways;
+  for (const DirectionIndex d : problem_.directions()) {
+    const DirectionIndex way = forth ? d : opposite(d);
+    if ((free_[way / 64U] >> way % 64U & 1U) != 0) ways.push_back(d);
+  }
+  return ways;
+}
+
+// Whether the moved piece can leave in the direction that the plan states: looked up for this
+// direction alone, part by part of the piece that moves.
+void Replayer::judge_direction(const Made& made, const Step& step, PartIndex a, PartIndex b) {
+  if (directions_.empty() || problem_.directions().empty() || !step.separates) return;
+  const std::optional<DirectionIndex> direction = directions_[made.time - 1];
+  if (!direction) return;
+  const auto [moved, kept] = step.a_moves ? std::pair{a, b} : std::pair{b, a};
+  for (const PartIndex part : members(moved)) {
+    for (const Blocker& blocker : problem_.blockers()[part]) {
+      if (piece_of_[blocker.by] != kept || !problem_.blocks(blocker, *direction)) continue;
+      replay_.direction_faults.push_back(
+          {made.time, made.connection, *direction, part, blocker.by});
+      return;
+    }
+  }
 }
 
 // The constraints of a step between two pieces; `subassemblies_` counts the state in which they are
@@ -492,13 +527,16 @@ void Replayer::make(const Made& made) {
   seen.moved_mass = step.moved_mass;
   seen.kept_mass = step.kept_mass;
   seen.step = &step;
+  judge_direction(made, step, a, b);
   const CheckedReward::Value earned = reward_.of(seen);
   if (!earned.finite && (!unfit_ || made.time < unfit_->first.time)) unfit_ = {made, earned};
   magnitude_ += earned.magnitude;
   rounding_ += earned.rounding;
   step.reward = earned.reward;
   rewards_[made.place] = earned.reward;
-  if (with_steps_) replay_.steps.push_back(std::move(step));
+  if (!with_steps_) return;
+  if (step.separates) step.free_directions = step.a_moves ? ways_out(a, b) : ways_out(b, a);
+  replay_.steps.push_back(std::move(step));
 }
 
 bool Replayer::cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const {
@@ -655,6 +693,7 @@ PlanReplay Replayer::run() {
   }
   replay_.reward = std::accumulate(rewards_.begin(), rewards_.end(), 0.0);
   std::ranges::stable_sort(replay_.faults, {}, &PlanFault::step);
+  std::ranges::stable_sort(replay_.direction_faults, {}, &DirectionFault::step);
   replay_.tolerance = 1e-9 * std::max(1.0, magnitude_) + rounding_;
   return std::move(replay_);
 }
@@ -662,9 +701,13 @@ PlanReplay Replayer::run() {
 }  // namespace
 
 PlanReplay replay(const Problem& problem, const Situation& situation,
-                  std::span<const ConnectionIndex> sequence, bool with_steps) {
+                  std::span<const ConnectionIndex> sequence, bool with_steps,
+                  std::span<const std::optional<DirectionIndex>> directions) {
   situation.require_over(problem.num_connections());
-  return Replayer(problem, situation, sequence, with_steps).run();
+  if (!directions.empty() && directions.size() != sequence.size())
+    throw InputError("the plan has " + std::to_string(sequence.size()) + " steps and states " +
+                     std::to_string(directions.size()) + " directions");
+  return Replayer(problem, situation, sequence, with_steps, directions).run();
 }
 
 }  // namespace orasp::detail

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,9 +22,19 @@ struct PlanFault {
   double mass = 0;                 ///< kg that move
 };
 
+/// A direction that a plan states though the moved piece cannot leave in it.
+struct DirectionFault {
+  std::size_t step = 0;  ///< from 1
+  ConnectionIndex connection = 0;
+  DirectionIndex direction = 0;
+  PartIndex part = 0;  ///< of the moved piece
+  PartIndex by = 0;    ///< what stands in its way
+};
+
 /// A plan replayed: every broken rule, ascending by step, and what the steps earn.
 struct PlanReplay {
   std::vector<PlanFault> faults;
+  std::vector<DirectionFault> direction_faults;  ///< ascending by step
   std::vector<Step> steps;  ///< those that could be made, where they were asked for
   double reward = 0;
   double tolerance = 0;  ///< see PlanCheck
@@ -45,17 +56,22 @@ struct PlanReplay {
 ///            section 4.6: merge the smaller into the larger.
 /// Guarantee. Every step that can be made (its connection exists, is open and accessible) is
 ///            judged, in the state that the steps before it leave, legal or not.
+/// Direction. `directions` is empty or has the direction that the plan states for each step, if
+///            any; each of them is looked up in the blockers of the moved piece. It means nothing
+///            where the step moves nothing or the problem has no blocking.
 /// Blame.     A rule of precedence is broken by the step after which it can no longer be kept, not
 ///            by the one that finds it broken: in an assembly by what is made too early. Which
 ///            step that is is looked for only in a plan that breaks one.
 /// Cost.      O((parts + connections) log parts + size of precedence), and the blockers of a part
 ///            once for each time that it is renamed. With steps asked for, or for an objective that
-///            is a function of the whole Step, O(parts) for each step more. A late step, while
-///            others are open: O(parts + connections) for each of them, at worst.
+///            is a function of the whole Step, O(parts + directions) for each step more. A late
+///            step, while others are open: O(parts + connections) for each of them, at worst.
 /// Errors.    @throws InputError where an expression or a callable yields a reward that is not
 ///            finite, an expression cannot be compiled, the objective is one of
-///            fleets, or the situation is over other connections.
+///            fleets, the situation is over other connections, or there are directions for another
+///            number of steps.
 [[nodiscard]] PlanReplay replay(const Problem& problem, const Situation& situation,
-                                std::span<const ConnectionIndex> sequence, bool with_steps);
+                                std::span<const ConnectionIndex> sequence, bool with_steps,
+                                std::span<const std::optional<DirectionIndex>> directions = {});
 
 }  // namespace orasp::detail

@@ -52,7 +52,8 @@ struct Expander::Scratch {
   detail::Connectivity connectivity;
   /// A and B of the step at hand; set by whoever makes its facts, if rules.needs_sides.
   detail::StepPieces pieces;
-  std::vector<unsigned char> mark;  ///< by part; all 0 between uses
+  std::vector<unsigned char> mark;       ///< by part; all 0 between uses
+  std::vector<std::uint64_t> free_bits;  ///< directions
   std::vector<PartIndex> fill_a;
   std::vector<PartIndex> fill_b;
   /// For late connections: steps in any order, and which states are known to lead to the goal.
@@ -70,7 +71,12 @@ struct Expander::Scratch {
   [[nodiscard]] detail::StepFacts joining_facts(ConnectionIndex c, std::size_t num_open);
   [[nodiscard]] detail::StepFacts flooded_facts(SetView open, ConnectionIndex c);
 
-  [[nodiscard]] DirectionMask free_directions();
+  template <class Visit>
+  void for_each_blocker_across(Visit&& visit);
+  [[nodiscard]] bool some_direction_free();
+  [[nodiscard]] std::span<const std::uint64_t> free_directions_of_few();
+  [[nodiscard]] std::vector<DirectionIndex> free_directions_of_moved(
+      const detail::StepFacts& facts);
   [[nodiscard]] bool separation_legal(const detail::StepFacts& facts);
   [[nodiscard]] double reward(const detail::StepFacts& facts) const;
   template <class Reward>

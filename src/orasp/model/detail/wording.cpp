@@ -129,6 +129,12 @@ std::string suggestion(std::string_view name, std::span<const std::string_view> 
   return best ? "; did you mean " + in_quotes(*best) + "?" : "";
 }
 
+std::string listed_in_short(std::span<const std::string_view> names) {
+  constexpr std::size_t kMost = 12;
+  if (names.size() <= kMost) return listed(names);
+  return listed(names.first(kMost)) + " and " + std::to_string(names.size() - kMost) + " more";
+}
+
 std::string listed(std::span<const std::string_view> names) {
   std::string result;
   for (const std::string_view name : names) {
@@ -151,6 +157,17 @@ std::string quoted_list(std::span<const std::string> ids, std::string_view last)
     text += in_quotes(ids[i]);
   }
   return text;
+}
+
+std::optional<std::string> id_fault(const std::string& id) {
+  if (id.empty()) return "an id must not be empty";
+  if (ill_formed_utf8(id)) return in_quotes(id) + " is not valid UTF-8";
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  if (std::ranges::any_of(id, control))
+    return in_quotes(id) + " is not an id; ids hold no control characters";
+  if (id.front() == ' ' || id.back() == ' ')
+    return in_quotes(id) + " is not an id; ids do not begin or end with a space";
+  return std::nullopt;
 }
 
 std::optional<std::size_t> ill_formed_utf8(std::string_view text) {

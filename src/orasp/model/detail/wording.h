@@ -32,6 +32,8 @@ namespace orasp::detail {
 [[nodiscard]] std::string suggestion(std::string_view name,
                                      std::span<const std::string_view> candidates);
 
+/// The names joined by ", "; beyond twelve only how many more there are.
+[[nodiscard]] std::string listed_in_short(std::span<const std::string_view> names);
 /// The names joined by ", ".
 [[nodiscard]] std::string listed(std::span<const std::string_view> names);
 /// The same with the last two joined by the word `last`: a, b and c.
@@ -39,6 +41,11 @@ namespace orasp::detail {
 
 /// The ids in quotes, joined by ", ", and the last two by the word `last`: "a", "b" and "c".
 [[nodiscard]] std::string quoted_list(std::span<const std::string> ids, std::string_view last);
+
+/// What is wrong with an id: it is empty, not UTF-8, holds a control character or begins or ends
+/// with a space. Ids stand in plans, one a line too: they must be readable there and come back
+/// unchanged.
+[[nodiscard]] std::optional<std::string> id_fault(const std::string& id);
 
 /// The position of the first byte that is not part of well-formed UTF-8 (RFC 3629), if there is
 /// one.
