@@ -111,7 +111,7 @@ int run(const EvaluateOptions& options, const Context& context) {
   const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
 
-  const Evaluation evaluation = evaluate(problem, plan.sequence);
+  const Evaluation evaluation = evaluate(problem, plan.sequence, plan.directions);
   print_result(context, options.output, options.json, as_json(evaluation),
                [&] { return summary(problem, evaluation, options, context); });
   return evaluation.valid ? kSolved : kNoPlan;

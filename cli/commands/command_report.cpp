@@ -98,6 +98,7 @@ ReportPlan plan_from_file(const PlanText& file, const Problem& problem, const Co
   plan.label = file.label;
   plan.origin = fmt::format("Read from {}.", file.label);
   plan.sequence = std::move(read.sequence);
+  plan.directions = std::move(read.directions);
   compare_digests(read.problem_digest, file.file, problem, context, plan.notes);
   return plan;
 }
@@ -156,7 +157,8 @@ std::vector<FigureFile> drawn(const Problem& problem, const Report& report,
   FigureRequest request;
   std::vector<ConnectionIndex> sequence;
   for (const ReportPlan& plan : report.plans) {
-    const Evaluation evaluation = evaluate(problem, std::span<const std::string>(plan.sequence));
+    const Evaluation evaluation =
+        evaluate(problem, std::span<const std::string>(plan.sequence), plan.directions);
     if (!evaluation.valid) continue;
     for (const std::string& id : plan.sequence) sequence.push_back(problem.find_connection(id, ""));
     request.plan = sequence;
@@ -289,7 +291,7 @@ int run(const ReportOptions& options, const Context& context) {
   }
   if (solved_here) return exit_code(report.best);
   const bool valid = std::ranges::all_of(report.plans, [&](const ReportPlan& plan) {
-    return evaluate(system, std::span<const std::string>(plan.sequence)).valid;
+    return evaluate(system, std::span<const std::string>(plan.sequence), plan.directions).valid;
   });
   return valid ? kSolved : kNoPlan;
 }

@@ -60,7 +60,7 @@ std::vector<ConnectionIndex> legal_plan(const Problem& problem, const std::strin
                                         const Context& context) {
   const PlanFile plan = read_plan(file, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
-  const Evaluation evaluation = evaluate(problem, plan.sequence);
+  const Evaluation evaluation = evaluate(problem, plan.sequence, plan.directions);
   if (!evaluation.valid) {
     const StepViolation& first = evaluation.violations.front();
     throw InputError(fmt::format("the plan cannot be followed: step {}, {}: {}", first.step,

@@ -19,6 +19,13 @@ std::string moved_piece(const Problem& problem, const Step& step, std::size_t wi
   return capped_list(ids, width);
 }
 
+/// The way that the moved piece goes: off in disassembly, on in assembly.
+std::string way(const Problem& problem, const Step& step) {
+  if (!step.direction) return "-";
+  const bool assembly = problem.direction() == Direction::Assembly;
+  return problem.direction_name(assembly ? opposite(*step.direction) : *step.direction);
+}
+
 }  // namespace
 
 std::string step_table(const Problem& problem, std::span<const Step> steps,
@@ -42,20 +49,35 @@ std::string step_table(const Problem& problem, std::span<const Step> steps,
     for (const std::string& text : *texts) widest = std::max(widest, text.size());
     number_width += std::max<std::size_t>(widest, 6) + 2;
   }
-  const std::size_t others = std::string_view("step  ").size() + id_width + 2 + number_width;
+  const bool assembly = problem.direction() == Direction::Assembly;
+  const bool directed = !problem.directions().empty();
+  const std::string_view direction_title = assembly ? "arrives along" : "leaves along";
+  std::size_t direction_width = directed ? direction_title.size() + 2 : 0;
+  std::vector<std::string> directions;
+  for (const Step& step : steps) {
+    directions.push_back(way(problem, step));
+    if (directed) direction_width = std::max(direction_width, display_width(directions.back()) + 2);
+  }
+  const std::size_t others =
+      std::string_view("step  ").size() + id_width + 2 + direction_width + number_width;
   const std::size_t piece_width =
       context.width() > others + kLeastPieceWidth ? context.width() - others : kLeastPieceWidth;
 
   TextTable table;
   table.add_column("step", TextTable::Align::Right);
   table.add_column("connection", TextTable::Align::Left);
-  table.add_column(problem.direction() == Direction::Assembly ? "joins on" : "separates",
-                   TextTable::Align::Left);
+  table.add_column(assembly ? "joins on" : "separates", TextTable::Align::Left);
+  if (directed) table.add_column(std::string(direction_title), TextTable::Align::Left);
   table.add_column("reward", TextTable::Align::Right);
   table.add_column("total", TextTable::Align::Right);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    table.add_row({fmt::to_string(i + 1), problem.connection_id(steps[i].connection),
-                   moved_piece(problem, steps[i], piece_width), reward_texts[i], total_texts[i]});
+    std::vector<std::string> row = {fmt::to_string(i + 1),
+                                    problem.connection_id(steps[i].connection),
+                                    moved_piece(problem, steps[i], piece_width)};
+    if (directed) row.push_back(directions[i]);
+    row.push_back(reward_texts[i]);
+    row.push_back(total_texts[i]);
+    table.add_row(std::move(row));
   }
   return table.text(context.colour());
 }

@@ -10,7 +10,8 @@
 namespace orasp::cli {
 
 /// The steps of a plan, one a line: number, connection, the piece that moves where the step
-/// separates (joins) two, reward, running total. The moved piece's parts are capped to the
+/// separates (joins) two, the way in which it leaves (arrives) where the problem has blocking,
+/// reward, running total. The moved piece's parts are capped to the
 /// terminal's width.
 [[nodiscard]] std::string step_table(const Problem& problem, std::span<const Step> steps,
                                      const Context& context);

@@ -51,6 +51,25 @@ class Evaluate(Case):
         self.check(answer, 0)
         self.assertAlmostEqual(json.loads(answer.out)["reward"], json.loads(plan)["reward"])
 
+    def test_a_direction_that_is_not_free_is_named(self):
+        problem = self.file("p.json", assembly(["1-2", "2-3"], blocking={
+            "directions": ["+x", "-x", {"id": "slant", "vector": [0, 3, 4]}],
+            "blocked": [{"part": "1", "by": "2", "directions": ["+x", "-slant"]}]}))
+        plan = json.loads(orasp("solve", problem, "--json").out)
+        step = next(step for step in plan["steps"] if step["connection"] == "1-2")
+        self.assertEqual((step["moved"], step["direction"], step["free_directions"]),
+                         (["1"], "-x", ["-x", "slant"]))
+        step["direction"] = "slant"
+        answer = orasp("evaluate", problem, "-", stdin=json.dumps(plan))
+        self.check(answer, 0, out=r"separates  leaves along +reward.*\n.* 1-2 .* slant ")
+        step["direction"] = "+x"
+        for command in (["evaluate", problem, "-"], ["report", problem, "-", "-o", self.folder / "r.html"]):
+            self.check(orasp(*command, stdin=json.dumps(plan)), 10)
+        answer = orasp("evaluate", problem, "-", stdin=json.dumps(plan))
+        self.check(answer, 10, out=r'step \d, 1-2: blocking: the plan states the direction \+x, in which "2" is in the '
+                                   r'way of "1"; free are -x, slant\n')
+        self.check(orasp("simulate", problem, "--plan", "-", stdin=json.dumps(plan)), 30)
+
 
 if __name__ == "__main__":
     unittest.main()

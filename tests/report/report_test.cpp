@@ -72,6 +72,12 @@ TEST(Report, TotalsRewardsAndPiecesAreThoseOfTheReplay) {
       EXPECT_EQ(written["reward"], step.reward);
       EXPECT_EQ(written.contains("moved"), step.separates);
       if (!step.separates) continue;
+      EXPECT_EQ(written.contains("way"), step.direction.has_value());
+      if (step.direction) {
+        EXPECT_EQ(written["way"][0], problem.direction_name(*step.direction));
+        EXPECT_EQ(written["way"][1], problem.direction_name(opposite(*step.direction)));
+        EXPECT_EQ(written["way"][2].get<Vector3>(), problem.direction_vector(*step.direction));
+      }
       EXPECT_EQ(written["moved"].get<std::vector<PartIndex>>(), step.moved());
       const std::size_t from = written["split"][0];
       for (const PartIndex part : step.moved()) EXPECT_EQ(labels[part], from);

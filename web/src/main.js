@@ -8,7 +8,7 @@ import {Player} from './player.js';
 import {Position, Replay, cutOf, index} from './replay.js';
 import {StateGraph, stateWords} from './states.js';
 import {colours, isDark, onPrint, onTheme, pieceColour, startTheme, toggleTheme} from './theme.js';
-import {act, cutList, movement, partList, partName, reasonList} from './words.js';
+import {act, cutList, movement, partList, partName, reasonList, wayOf} from './words.js';
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const {problem, plans, best} = data;
@@ -172,6 +172,7 @@ class PlanView {
         step.moves
           ? [h('dt', {}, 'Moves'), h('dd', {}, h('ul', {class: 'moves'}, step.moves.map((move) => h('li', {}, moveWords(move, order)))))]
           : [h('dt', {}, order === 'disassembly' ? 'Comes off' : 'Comes on'), h('dd', {}, movement(problem, step))],
+        step.way ? [h('dt', {}, 'Along'), h('dd', {}, id(wayOf(step, order)))] : [],
         h('dt', {}, 'Earns'), h('dd', {class: 'num'}, number(step.reward)),
         h('dt', {}, 'Total'), h('dd', {class: 'num'}, number(totalOf(step)))),
       h('h5', {class: 'small'}, step.broken ? 'Not allowed' : 'Allowed because'),

@@ -6,7 +6,6 @@ import {
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {CSS2DObject, CSS2DRenderer} from 'three/addons/renderers/CSS2DRenderer.js';
 
-const axes = {'+x': [1, 0, 0], '-x': [-1, 0, 0], '+y': [0, 1, 0], '-y': [0, -1, 0], '+z': [0, 0, 1], '-z': [0, 0, -1]};
 const mostLabels = 60;
 
 const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
@@ -103,6 +102,8 @@ class AssemblySpace {
 
   /** The way in which the moved piece leaves, as far as it is drawn apart. */
   way(replay, step) {
+    const distance = 2.2 * this.size + 0.12 * this.radius;
+    if (step.way) return new Vector3(...step.way[2]).multiplyScalar(distance);
     const middle = (parts) => parts.reduce((sum, part) => sum.add(this.places[part]), new Vector3()).divideScalar(Math.max(1, parts.length));
     const moved = new Set(step.moved);
     const label = step.split?.[0];  // of a fleet, whose steps split several pieces: all that stays
@@ -110,9 +111,7 @@ class AssemblySpace {
     const away = middle(step.moved).sub(middle(kept));
     if (away.length() < 1e-9) away.set(0, 0, 1);
     away.normalize();
-    const free = (step.ways ?? []).map((name) => new Vector3(...axes[name]));
-    const best = free.sort((a, b) => b.dot(away) - a.dot(away))[0] ?? away;
-    return best.clone().multiplyScalar(2.2 * this.size + 0.12 * this.radius);
+    return away.multiplyScalar(distance);
   }
 
   show(replay, step, order, animate = true) {

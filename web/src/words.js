@@ -25,6 +25,9 @@ export const cutList = (problem, step) => cutOf(step).flatMap((c, i) => [i > 0 ?
 /** What moves in a step, as children of an element. */
 export const movement = (problem, step, most) => (step.moved ? partList(problem, step.moved, most) : ['nothing']);
 
+/** The name of the direction in which the moved piece goes; only where the problem has blocking. */
+export const wayOf = (step, order) => step.way[order === 'disassembly' ? 0 : 1];
+
 /** What allows a step: [constraint, sentence]. */
 export const reasons = (step, order) => step.why.map(([constraint, , removed, made]) => [constraint, order === 'assembly' ? (made ?? removed) : removed]);
 

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +19,7 @@
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/plan_check.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/validate.h"
 
@@ -52,8 +55,14 @@ std::string id_list(const Indices& indices, const std::vector<std::string>& ids)
   return text + "]";
 }
 
-std::string steps_text(const std::vector<Step>& steps, const std::vector<std::string>& part_ids,
+std::string steps_text(const Problem& problem, const std::vector<Step>& steps,
+                       const std::vector<std::string>& part_ids,
                        const std::vector<std::string>& connection_ids) {
+  std::vector<std::string> direction_names;
+  for (const DirectionIndex d : problem.directions()) {
+    direction_names.resize(std::max<std::size_t>(direction_names.size(), d + 1U));
+    direction_names[d] = inline_text(problem.direction_name(d));
+  }
   if (steps.empty()) return "[]";
   std::string text = "[";
   double total = 0;
@@ -71,6 +80,10 @@ std::string steps_text(const std::vector<Step>& steps, const std::vector<std::st
               R"(], "moved": )" + id_list(step.moved(), part_ids);
     } else {
       text += R"([], "moved": [])";
+    }
+    if (step.direction) {
+      text += R"(, "direction": )" + direction_names[*step.direction] + R"(, "free_directions": )" +
+              id_list(step.free_directions, direction_names);
     }
     text += "}";
   }
@@ -203,6 +216,40 @@ std::vector<std::string> read_sequence(JsonValue list, std::string_view place) {
   return ids;
 }
 
+/// What the steps of a plan file state as the direction of each connection of `sequence`; empty if
+/// none of them states one. Nothing else of the steps is read.
+std::vector<std::string> read_directions(JsonValue steps,
+                                         const std::vector<std::string>& sequence) {
+  std::vector<std::string> directions;
+  if (!steps.is(JsonKind::Array)) return directions;
+  std::unordered_map<std::string_view, std::size_t> places;
+  std::size_t number = 0;
+  steps.for_each([&](JsonValue step) {
+    const std::string place = fmt::format("steps[{}]", number++);
+    if (!step.is(JsonKind::Object)) return;
+    std::optional<JsonValue> connection;
+    std::optional<JsonValue> direction;
+    step.for_each([&](JsonValue member) {
+      if (member.key() == "connection") connection = member;
+      if (member.key() == "direction") direction = member;
+    });
+    if (!direction) return;
+    if (!direction->is(JsonKind::String)) {
+      throw InputError(fmt::format("{}.direction: expected the name of a direction, found {}",
+                                   place, direction->description()));
+    }
+    if (!connection || !connection->is(JsonKind::String))
+      throw InputError(place + ": it states a direction, but no connection");
+    if (directions.empty()) {
+      directions.resize(sequence.size());
+      for (std::size_t i = 0; i < sequence.size(); ++i) places.emplace(sequence[i], i);
+    }
+    const auto found = places.find(connection->string());
+    if (found != places.end()) directions[found->second] = direction->string();
+  });
+  return directions;
+}
+
 PlanFile read_plan_object(JsonValue root, Direction direction) {
   const bool is_assembly = direction == Direction::Assembly;
   const std::string_view wanted_key = is_assembly ? "assembly" : "disassembly";
@@ -211,11 +258,13 @@ PlanFile read_plan_object(JsonValue root, Direction direction) {
   std::optional<JsonValue> digest;
   std::optional<JsonValue> wanted;
   std::optional<JsonValue> other;
+  std::optional<JsonValue> steps;
   root.for_each([&](JsonValue member) {
     if (member.key() == "format") format = member;
     if (member.key() == "problem_digest") digest = member;
     if (member.key() == wanted_key) wanted = member;
     if (member.key() == other_key) other = member;
+    if (member.key() == "steps") steps = member;
   });
   if (!format) throw InputError("the key \"format\" is missing");
   if (!format->is(JsonKind::String))
@@ -243,6 +292,7 @@ PlanFile read_plan_object(JsonValue root, Direction direction) {
   if (reversed && plan.sequence != *reversed) {
     throw InputError("assembly: it is not the reverse of \"disassembly\"");
   }
+  if (steps) plan.directions = read_directions(*steps, plan.sequence);
   return plan;
 }
 
@@ -278,6 +328,17 @@ struct PlanBody {
   std::string fleet;
 };
 
+/// The directions that the steps have, checked by themselves.
+void require_free_directions(const Task& task, const Result& result,
+                             const std::vector<Step>& steps) {
+  if (task.problem.directions().empty()) return;
+  std::vector<std::optional<DirectionIndex>> directions;
+  for (const Step& step : steps) directions.push_back(step.direction);
+  const PlanCheck check = check_plan(task.problem, task.situation, result.sequence, directions);
+  if (!check.legal)
+    throw std::logic_error("a direction was chosen that is not free: " + check.fault);
+}
+
 PlanBody body_of_one_robot(const Task& task, const Result& result,
                            const std::vector<std::string>& connection_ids) {
   PlanBody body;
@@ -289,7 +350,9 @@ PlanBody body_of_one_robot(const Task& task, const Result& result,
   const Evaluation evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
   // Where attempts may fail, the reward is an expectation, which no replay gives.
   body.reward = result.expectation ? result.reward : evaluation.reward;
-  body.steps = steps_text(evaluation.steps, quoted_ids(task.problem.parts()), connection_ids);
+  require_free_directions(task, result, evaluation.steps);
+  body.steps =
+      steps_text(task.problem, evaluation.steps, quoted_ids(task.problem.parts()), connection_ids);
   if (whole) body.order = order_text(plan_order(task.problem, result.sequence));
   return body;
 }

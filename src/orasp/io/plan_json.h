@@ -31,6 +31,9 @@ namespace orasp {
 /// A plan as read: the ids in the order of the problem's direction.
 struct PlanFile {
   std::vector<std::string> sequence;
+  /// The direction that the file states for each step, "" where it states none; empty if it states
+  /// none at all. They are found by the connections of `steps`.
+  std::vector<std::string> directions{};
   std::string problem_digest;  ///< empty where the file is a bare list
 };
 

@@ -11,6 +11,7 @@ namespace {
 
 using detail::in_quotes;
 using detail::number_text;
+using detail::PlanDirectionFault;
 using detail::PlanFault;
 
 /// One sentence about a fault of a plan with so many steps.
@@ -74,18 +75,35 @@ std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t
   return does;
 }
 
+std::string sentence(const Problem& problem, const PlanDirectionFault& fault) {
+  return "step " + std::to_string(fault.step) +
+         (problem.direction() == Direction::Assembly ? " makes " : " removes ") +
+         in_quotes(problem.connection_id(fault.connection)) + " and states the direction " +
+         problem.direction_name(fault.direction) + ", in which " +
+         in_quotes(problem.part_id(fault.by)) + " is in the way of " +
+         in_quotes(problem.part_id(fault.part));
+}
+
 }  // namespace
 
 PlanCheck check_plan(const Problem& problem, const Situation& situation,
-                     std::span<const ConnectionIndex> sequence) {
-  const detail::PlanReplay replay = detail::replay(problem, situation, sequence, false);
+                     std::span<const ConnectionIndex> sequence,
+                     std::span<const std::optional<DirectionIndex>> directions) {
+  const detail::PlanReplay replay = detail::replay(problem, situation, sequence, false, directions);
   PlanCheck check;
-  check.legal = replay.faults.empty();
+  check.legal = replay.faults.empty() && replay.direction_faults.empty();
   check.reward = replay.reward;
   check.tolerance = replay.tolerance;
-  if (!check.legal) {
+  if (check.legal) return check;
+  const bool rule_first = replay.direction_faults.empty() ||
+                          (!replay.faults.empty() &&
+                           replay.faults.front().step <= replay.direction_faults.front().step);
+  if (rule_first) {
     check.step = replay.faults.front().step;
     check.fault = sentence(problem, replay.faults.front(), sequence.size());
+  } else {
+    check.step = replay.direction_faults.front().step;
+    check.fault = sentence(problem, replay.direction_faults.front());
   }
   return check;
 }

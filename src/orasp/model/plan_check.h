@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -35,8 +36,10 @@ struct PlanCheck {
 ///            are not used.
 /// Guarantee. As in TransitionSystem, `situation` says what is open, inaccessible, cannot be next
 ///            and is late; `sequence` holds the steps still to come, in the order of the problem's
-///            direction. Where attempts may fail, the reward is that of the plan in which none
-///            does.
+///            direction. `directions` is empty or has the direction that the plan states for each
+///            step, if any: a step breaks a rule if its moved piece cannot leave in it. It means
+///            nothing where nothing moves or the problem has no blocking. Where attempts may fail,
+///            the reward is that of the plan in which none does.
 /// Cost.      O((parts + connections) log parts + size of precedence and blocking * log parts): a
 ///            few milliseconds for 16,384 parts. A callable sees whole steps: O(parts) for each of
 ///            them. A late step that is made while others are open costs O(parts + connections) for
@@ -45,9 +48,11 @@ struct PlanCheck {
 ///            of masses differ by that to the last bit, rounding decides.
 /// Errors.    @throws InputError where an expression or a callable yields a reward that is not
 ///            finite, an expression cannot be compiled, the objective is one of fleets, or
-///            the situation is over other connections.
+///            the situation is over other connections, or there are directions for another number
+///            of steps.
 [[nodiscard]] PlanCheck check_plan(const Problem& problem, const Situation& situation,
-                                   std::span<const ConnectionIndex> sequence);
+                                   std::span<const ConnectionIndex> sequence,
+                                   std::span<const std::optional<DirectionIndex>> directions = {});
 
 /// Whether `claimed` is the reward that `check` found, within its tolerance. Nothing but NaN is the
 /// same as NaN.

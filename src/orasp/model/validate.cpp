@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
 
 #include "orasp/model/detail/plan_replay.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/step_directions.h"
 
 namespace orasp {
 
@@ -44,9 +47,79 @@ Violation violation_at_start(const TransitionSystem& system, const detail::PlanF
   return {fault.constraint, "precedence[" + std::to_string(fault.entry) + "]", message, {}};
 }
 
+/// By their names; none where the plan states none, or one that the problem does not have.
+std::vector<std::optional<DirectionIndex>> stated_directions(
+    const Problem& problem, std::span<const std::string> directions) {
+  std::vector<std::optional<DirectionIndex>> stated;
+  stated.reserve(directions.size());
+  for (const std::string& name : directions) stated.push_back(problem.find_direction(name));
+  return stated;
+}
+
+/// For each step that was made, its place in the sequence.
+std::vector<std::size_t> places_of(std::span<const Step> steps,
+                                   std::span<const ConnectionIndex> sequence) {
+  std::vector<std::size_t> places;
+  places.reserve(steps.size());
+  for (std::size_t i = 0; i < sequence.size() && places.size() < steps.size(); ++i) {
+    if (steps[places.size()].connection == sequence[i]) places.push_back(i);
+  }
+  return places;
+}
+
+void direct(std::span<Step> steps, std::span<const ConnectionIndex> sequence,
+            std::span<const std::optional<DirectionIndex>> stated) {
+  if (stated.empty()) return choose_directions(steps);
+  std::vector<std::optional<DirectionIndex>> of_steps;
+  for (const std::size_t place : places_of(steps, sequence)) of_steps.push_back(stated[place]);
+  choose_directions(steps, of_steps);
+}
+
+std::string names_of(const Problem& problem, std::span<const DirectionIndex> directions) {
+  std::vector<std::string_view> names;
+  for (const DirectionIndex d : directions) names.emplace_back(problem.direction_name(d));
+  return detail::listed_in_short(names);
+}
+
+/// What is wrong with the directions that a plan states, by place in its sequence. Where no
+/// direction is free, that is a violation of its own.
+std::map<std::size_t, Violation> wrong_directions(const Problem& problem,
+                                                  std::span<const Step> steps,
+                                                  std::span<const ConnectionIndex> sequence,
+                                                  std::span<const std::string> directions,
+                                                  const detail::PlanReplay& replay) {
+  std::map<std::size_t, Violation> wrong;
+  if (directions.empty() || problem.directions().empty()) return wrong;
+  std::map<std::size_t, detail::PlanDirectionFault> faults;
+  for (const detail::PlanDirectionFault& fault : replay.direction_faults)
+    faults.emplace(fault.step - 1, fault);
+  const std::vector<std::size_t> places = places_of(steps, sequence);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const std::size_t place = places[k];
+    const std::string& name = directions[place];
+    if (steps[k].free_directions.empty() || name.empty() || steps[k].moved().empty()) continue;
+    std::string message;
+    if (!problem.find_direction(name)) {
+      message = "the plan states the direction " + detail::in_quotes(name) +
+                ", which is not in blocking.directions; free are " +
+                names_of(problem, steps[k].free_directions);
+    } else if (const auto fault = faults.find(place); fault != faults.end()) {
+      const auto part = [&](PartIndex p) { return detail::in_quotes(problem.part_id(p)); };
+      message = "the plan states the direction " + name + ", in which " + part(fault->second.by) +
+                " is in the way of " + part(fault->second.part) + "; free are " +
+                names_of(problem, steps[k].free_directions);
+    } else {
+      continue;
+    }
+    wrong.emplace(place, Violation{Constraint::Blocking, "blocking", std::move(message), {}});
+  }
+  return wrong;
+}
+
 }  // namespace
 
-Evaluation evaluate(const TransitionSystem& system, std::span<const std::string> sequence) {
+Evaluation evaluate(const TransitionSystem& system, std::span<const std::string> sequence,
+                    std::span<const std::string> directions) {
   const Problem& problem = system.problem();
   const std::size_t connections = problem.num_connections();
   std::unordered_map<std::string_view, ConnectionIndex> by_id;
@@ -60,11 +133,15 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
                                            : static_cast<ConnectionIndex>(connections));
   }
 
-  detail::PlanReplay replay = detail::replay(problem, system.situation(), indices, true);
+  const std::vector<std::optional<DirectionIndex>> stated = stated_directions(problem, directions);
+  detail::PlanReplay replay = detail::replay(problem, system.situation(), indices, true, stated);
   Evaluation evaluation;
-  evaluation.valid = replay.faults.empty();
   evaluation.reward = replay.reward;
   evaluation.steps = std::move(replay.steps);
+  direct(evaluation.steps, indices, stated);
+  const std::map<std::size_t, Violation> misdirected =
+      wrong_directions(problem, evaluation.steps, indices, directions, replay);
+  evaluation.valid = replay.faults.empty() && misdirected.empty();
   if (evaluation.valid) return evaluation;
 
   // The words for what is wrong.
@@ -103,6 +180,8 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
       for (Violation& violation : violations)
         evaluation.violations.push_back({i + 1, id, std::move(violation)});
     }
+    if (const auto wrong = misdirected.find(i); wrong != misdirected.end())
+      evaluation.violations.push_back({i + 1, id, wrong->second});
     if (open.contains(indices[i])) open.erase(indices[i]);
   }
   for (; fault != replay.faults.end(); ++fault) {
@@ -119,8 +198,9 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const ConnectionIn
   return evaluate(system, ids);
 }
 
-Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence) {
-  return evaluate(TransitionSystem(problem), sequence);
+Evaluation evaluate(const Problem& problem, std::span<const std::string> sequence,
+                    std::span<const std::string> directions) {
+  return evaluate(TransitionSystem(problem), sequence, directions);
 }
 
 Evaluation evaluate(const Problem& problem, std::span<const ConnectionIndex> sequence) {

@@ -163,7 +163,8 @@ std::vector<std::vector<std::pair<std::string, std::string>>> broken_rules(
 ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, const Result& best) {
   const Problem& problem = system.problem();
   const bool assembly = problem.direction() == Direction::Assembly;
-  const Evaluation evaluation = evaluate(system, std::span<const std::string>(plan.sequence));
+  const Evaluation evaluation =
+      evaluate(system, std::span<const std::string>(plan.sequence), plan.directions);
   const std::vector<Step>& steps = evaluation.steps;
   const std::vector<std::vector<Ground>> why = grounds(system, steps);
   const auto broken = broken_rules(problem, plan, evaluation);
@@ -194,9 +195,10 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
       const auto [from, to] = pieces.split(step.moved());
       entry["split"] = {from, to};
       entry["moved"] = step.moved();
-      // The axes along which the moved piece can leave, for a drawing in space.
-      for (const DirectionIndex way : step.free_directions) {
-        if (way < kDirectionNames.size()) entry["ways"].push_back(problem.direction_name(way));
+      if (step.direction) {
+        entry["way"] = {problem.direction_name(*step.direction),
+                        problem.direction_name(opposite(*step.direction)),
+                        problem.direction_vector(*step.direction)};
       }
     }
     note_state();

@@ -25,6 +25,8 @@ struct ReportPlan {
   std::string origin;  ///< a sentence: where it comes from
   std::vector<std::string>
       sequence;  ///< connection ids in the order of the problem's direction, as given
+  /// Empty, or for each of them the direction that the plan states; "" for none.
+  std::vector<std::string> directions{};
   std::optional<double> expected;  ///< expected reward where attempts may fail, if known
   std::vector<std::string> notes;  ///< sentences
 };

@@ -693,7 +693,7 @@ PlanReplay Replayer::run() {
   }
   replay_.reward = std::accumulate(rewards_.begin(), rewards_.end(), 0.0);
   std::ranges::stable_sort(replay_.faults, {}, &PlanFault::step);
-  std::ranges::stable_sort(replay_.direction_faults, {}, &DirectionFault::step);
+  std::ranges::stable_sort(replay_.direction_faults, {}, &PlanDirectionFault::step);
   replay_.tolerance = 1e-9 * std::max(1.0, magnitude_) + rounding_;
   return std::move(replay_);
 }

@@ -23,7 +23,7 @@ struct PlanFault {
 };
 
 /// A direction that a plan states though the moved piece cannot leave in it.
-struct DirectionFault {
+struct PlanDirectionFault {
   std::size_t step = 0;  ///< from 1
   ConnectionIndex connection = 0;
   DirectionIndex direction = 0;
@@ -34,7 +34,7 @@ struct DirectionFault {
 /// A plan replayed: every broken rule, ascending by step, and what the steps earn.
 struct PlanReplay {
   std::vector<PlanFault> faults;
-  std::vector<DirectionFault> direction_faults;  ///< ascending by step
+  std::vector<PlanDirectionFault> direction_faults;  ///< ascending by step
   std::vector<Step> steps;  ///< those that could be made, where they were asked for
   double reward = 0;
   double tolerance = 0;  ///< see PlanCheck
