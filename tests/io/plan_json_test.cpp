@@ -60,6 +60,11 @@ TEST(PlanText, HasTheKeysOfTheContractInTheirOrder) {
     {"step": 3, "connection": "3-4", "reward": 1.0, "total": 0.557, "separates": true, )"
                 R"("pieces": [["3"], ["4"]], "moved": ["4"]}
   ],
+  "operations": [
+    {"steps": [1], "moved": ["3", "4"]},
+    {"steps": [2], "moved": ["2"]},
+    {"steps": [3], "moved": ["4"]}
+  ],
   "order": [],
   "statistics": {"states": 8, "actions": 12, "expanded": 0, "generated": 0, "reopened": 0, )"
                 R"("pruned": 0, "sweeps": 0, "seconds": 0.0, "peak_bytes": 0},

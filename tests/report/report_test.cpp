@@ -62,6 +62,15 @@ TEST(Report, TotalsRewardsAndPiecesAreThoseOfTheReplay) {
     const std::size_t n = evaluation.steps.size();
     ASSERT_EQ(plan["steps"].size(), n);
     ASSERT_EQ(plan["states"].size(), n + 1);
+    // In disassembly order each operation ends with what it takes off.
+    std::size_t next = 0;
+    for (const Json& operation : plan["operations"]) {
+      EXPECT_EQ(operation[0], next);
+      next = operation[1];
+      for (std::size_t k = operation[0]; k + 1 < next; ++k)
+        EXPECT_FALSE(plan["steps"][k].contains("moved"));
+    }
+    EXPECT_EQ(next, n);
     std::vector<std::size_t> labels = plan["labels"];
     for (std::size_t k = 0; k < n; ++k) {
       // Written in disassembly order.

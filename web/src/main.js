@@ -8,7 +8,7 @@ import {Player} from './player.js';
 import {Position, Replay, cutOf, index} from './replay.js';
 import {StateGraph, stateWords} from './states.js';
 import {colours, isDark, onPrint, onTheme, pieceColour, startTheme, toggleTheme} from './theme.js';
-import {act, cutList, movement, partList, partName, reasonList, wayOf} from './words.js';
+import {act, cutList, movement, operationWords, partList, partName, reasonList, wayOf} from './words.js';
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const {problem, plans, best} = data;
@@ -173,10 +173,23 @@ class PlanView {
           ? [h('dt', {}, 'Moves'), h('dd', {}, h('ul', {class: 'moves'}, step.moves.map((move) => h('li', {}, moveWords(move, order)))))]
           : [h('dt', {}, order === 'disassembly' ? 'Comes off' : 'Comes on'), h('dd', {}, movement(problem, step))],
         step.way ? [h('dt', {}, 'Along'), h('dd', {}, id(wayOf(step, order)))] : [],
+        this.operation(step),
         h('dt', {}, 'Earns'), h('dd', {class: 'num'}, number(step.reward)),
         h('dt', {}, 'Total'), h('dd', {class: 'num'}, number(totalOf(step)))),
       h('h5', {class: 'small'}, step.broken ? 'Not allowed' : 'Allowed because'),
       reasonList(step, order));
+  }
+
+  /** The steps that are done in one go with this one, where they are several. */
+  operation(step) {
+    const {plan} = this;
+    const {order} = position;
+    const {operations = []} = plan;
+    const at = plan.steps.indexOf(step);
+    const i = operations.findIndex(([first, end]) => first <= at && at < end);
+    if (i < 0 || operations[i][1] - operations[i][0] < 2) return [];
+    const number = order === 'disassembly' ? i + 1 : operations.length - i;
+    return [h('dt', {}, 'In one go'), h('dd', {class: 'operation'}, `${number} of ${operations.length}: `, operationWords(problem, plan, operations[i], order))];
   }
 
   pieceCard(pieces, subassemblies) {

@@ -28,6 +28,19 @@ export const movement = (problem, step, most) => (step.moved ? partList(problem,
 /** The name of the direction in which the moved piece goes; only where the problem has blocking. */
 export const wayOf = (step, order) => step.way[order === 'disassembly' ? 0 : 1];
 
+/** What is done in one go: "undo a, b; c comes off along +y", as children of an element. `range` is one of plan.operations. */
+export function operationWords(problem, plan, [first, end], order) {
+  const off = order === 'disassembly';
+  const steps = plan.steps.slice(first, end);
+  const step = steps.find(({moved}) => moved);
+  if (!off) steps.reverse();
+  const cuts = [off ? 'undo ' : 'connect ', steps.flatMap((one, i) => [i > 0 ? ', ' : '', cutList(problem, one)])];
+  if (!step) return cuts;
+  const come = `${step.moved.length === 1 ? 'comes' : 'come'} ${off ? 'off' : 'on'}`;
+  const movement = [partList(problem, step.moved), ` ${come}`, step.way ? [' along ', id(wayOf(step, order))] : []];
+  return off ? [cuts, '; then ', movement] : [movement, '; then ', cuts];
+}
+
 /** What allows a step: [constraint, sentence]. */
 export const reasons = (step, order) => step.why.map(([constraint, , removed, made]) => [constraint, order === 'assembly' ? (made ?? removed) : removed]);
 

@@ -19,6 +19,7 @@
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/operations.h"
 #include "orasp/model/plan_check.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/validate.h"
@@ -85,6 +86,29 @@ std::string steps_text(const Problem& problem, const std::vector<Step>& steps,
       text += R"(, "direction": )" + direction_names[*step.direction] + R"(, "free_directions": )" +
               id_list(step.free_directions, direction_names);
     }
+    text += "}";
+  }
+  return text + "\n  ]";
+}
+
+std::string operations_text(const std::vector<Step>& steps, Direction direction,
+                            const Problem& problem, const std::vector<std::string>& part_ids) {
+  if (steps.empty()) return "[]";
+  std::string text = "[";
+  for (const Operation& operation : operations(steps, direction)) {
+    text += text.size() > 1 ? ",\n" : "\n";
+    text += R"(    {"steps": [)";
+    for (std::size_t i = operation.first; i < operation.end; ++i)
+      text += fmt::format("{}{}", i == operation.first ? "" : ", ", i + 1);
+    text += R"(], "moved": )";
+    if (!operation.moving) {
+      text += "[]}";
+      continue;
+    }
+    const Step& moving = steps[*operation.moving];
+    text += id_list(moving.moved(), part_ids);
+    if (moving.direction)
+      text += R"(, "direction": )" + inline_text(problem.direction_name(*moving.direction));
     text += "}";
   }
   return text + "\n  ]";
@@ -322,6 +346,8 @@ struct PlanBody {
   /// In the order of the problem's direction.
   std::vector<ConnectionIndex> sequence;
   std::string steps = "[]";
+  /// The text of `operations`; empty: the key is left out.
+  std::string operations;
   /// The text of `order`; empty: the key is left out.
   std::string order;
   /// The text of `fleet`; empty: the key is left out.
@@ -343,6 +369,7 @@ PlanBody body_of_one_robot(const Task& task, const Result& result,
                            const std::vector<std::string>& connection_ids) {
   PlanBody body;
   body.sequence = result.sequence;
+  body.operations = "[]";
   const bool whole = task.whole();
   if (whole) body.order = "[]";
   if (!result.has_plan()) return body;
@@ -351,8 +378,10 @@ PlanBody body_of_one_robot(const Task& task, const Result& result,
   // Where attempts may fail, the reward is an expectation, which no replay gives.
   body.reward = result.expectation ? result.reward : evaluation.reward;
   require_free_directions(task, result, evaluation.steps);
-  body.steps =
-      steps_text(task.problem, evaluation.steps, quoted_ids(task.problem.parts()), connection_ids);
+  const std::vector<std::string> part_ids = quoted_ids(task.problem.parts());
+  body.steps = steps_text(task.problem, evaluation.steps, part_ids, connection_ids);
+  body.operations =
+      operations_text(evaluation.steps, task.problem.direction(), task.problem, part_ids);
   if (whole) body.order = order_text(plan_order(task.problem, result.sequence));
   return body;
 }
@@ -419,6 +448,7 @@ std::string plan_text(const Task& task, const Result& result,
   put("disassembly", is_assembly ? backward : forward);
   put("assembly", is_assembly ? forward : backward);
   put("steps", body.steps);
+  if (!body.operations.empty()) put("operations", body.operations);
   if (!body.order.empty()) put("order", body.order);
   for (const auto& [name, value] : more) put(name, value);
   if (alternatives != nullptr) {

@@ -17,6 +17,7 @@
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/io/detail/json_text.h"
+#include "orasp/model/operations.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/planner_support.h"
@@ -209,6 +210,13 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
     list.push_back(std::move(entry));
   }
 
+  // [first, end) in the order of the list.
+  ordered_json together = ordered_json::array();
+  for (const Operation& operation : operations(steps, problem.direction()))
+    together.push_back(assembly ? std::pair(n - operation.end, n - operation.first)
+                                : std::pair(operation.first, operation.end));
+  if (assembly) std::ranges::reverse(together);
+
   const Verdict verdict = verdict_of(problem, plan, evaluation, best);
   const std::optional<double> bound = best.shown_bound();
   const double reward = plan.expected.value_or(evaluation.reward);
@@ -225,7 +233,8 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
                            {"violations", violations_json(evaluation)},
                            {"labels", std::move(labels)},
                            {"states", std::move(states)},
-                           {"steps", std::move(list)}};
+                           {"steps", std::move(list)},
+                           {"operations", std::move(together)}};
   if (bound && comparable)
     document["gap"] = number_or_null(detail::meets(reward, *bound) ? 0 : *bound - reward);
   return document;
