@@ -54,7 +54,7 @@ void run(std::string bytes) {
 }
 
 /// What stands in hostile files: ends of ranges, tokens of JSON, ids, keys of the formats.
-constexpr std::array<std::string_view, 58> kTokens = {"0",
+constexpr std::array<std::string_view, 60> kTokens = {"0",
                                                       "-1",
                                                       "1e308",
                                                       "1e-320",
@@ -100,6 +100,8 @@ constexpr std::array<std::string_view, 58> kTokens = {"0",
                                                       "\"max_subassemblies\":",
                                                       "\"blocking\":",
                                                       "\"directions\":[\"+x\",\"-x\"]",
+                                                      "{\"id\":\"slant\",\"vector\":[0,3,4]}",
+                                                      "\"direction\":\"-slant\"",
                                                       "\"objective\":",
                                                       "\"type\":\"sum\"",
                                                       "\"type\":\"travel\"",
