@@ -119,7 +119,7 @@ Objective random_objective(std::string_view type, Draw& draw, int depth) {
     for (std::size_t t = 0; t < terms; ++t) {
       const double weight = draw.one_of<double>({1, -1, 0.5, -2, 0, 0.1});
       std::string_view inner = draw.one_of(
-          std::vector<std::string_view>(kObjectiveTypes.begin(), kObjectiveTypes.end()));
+          std::vector<std::string_view>(kPlainObjectiveTypes.begin(), kPlainObjectiveTypes.end()));
       if (inner == "sum" && depth >= 2) inner = "indexed";
       if (inner == "expression" && draw.chance(0.5)) inner = "cubesat_zone";
       sum.terms.push_back({weight, random_objective(inner, draw, depth + 1)});
@@ -329,7 +329,7 @@ ProblemSpec random_problem(std::uint64_t seed) {
   Draw draw(mixed(seed + 1));
   ProblemSpec spec;
   spec.name = "random problem " + std::to_string(seed);
-  std::vector<std::string_view> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
+  std::vector<std::string_view> types(kPlainObjectiveTypes.begin(), kPlainObjectiveTypes.end());
   types.push_back("callable");
   spec.objective =
       random_objective(types[seed % types.size()], draw, 0);  // every type equally often
@@ -365,7 +365,8 @@ ProblemSpec larger_random_problem(std::uint64_t seed) {
   Draw draw(mixed(seed + 1));
   ProblemSpec spec;
   spec.name = "larger random problem " + std::to_string(seed);
-  spec.objective = random_objective(kObjectiveTypes[seed % kObjectiveTypes.size()], draw, 0);
+  spec.objective =
+      random_objective(kPlainObjectiveTypes[seed % kPlainObjectiveTypes.size()], draw, 0);
   add_parts(spec, draw, draw.between(8, 11));
   add_connections(spec, draw, 12, draw.one_of<double>({1.0, 0.95}));
   if (draw.chance(0.5)) add_precedence(spec, draw);

@@ -24,7 +24,7 @@ namespace orasp {
 /// directions, all blocked as it was.
 [[nodiscard]] ProblemSpec with_named_directions(ProblemSpec spec, std::size_t copies);
 
-/// A random objective of the given type, a name of kObjectiveTypes or "callable".
+/// A random objective of the given type, a name of kPlainObjectiveTypes or "callable".
 [[nodiscard]] Objective random_objective(std::string_view type, std::uint64_t seed);
 
 }  // namespace orasp

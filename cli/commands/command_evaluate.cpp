@@ -37,8 +37,11 @@ std::string summary(const Problem& problem, const Evaluation& evaluation,
                     const EvaluateOptions& options, const Context& context) {
   std::string text = fmt::format("{}: {}\n", title(problem, options.problem),
                                  evaluation.valid ? "the plan is valid" : "the plan is not valid");
-  text += fmt::format("reward   {}\nsteps    {} of {}\n", number_text(evaluation.reward),
-                      grouped(evaluation.steps.size()), grouped(problem.num_connections()));
+  // How many there are to make is known where each takes one connection until none is left.
+  const bool counted_steps = !problem.spec().goal && problem.spec().action == StepKind::Connection;
+  text += fmt::format("reward   {}\nsteps    {}{}\n", number_text(evaluation.reward),
+                      grouped(evaluation.steps.size()),
+                      counted_steps ? " of " + grouped(problem.num_connections()) : "");
   if (!evaluation.steps.empty()) text += '\n' + step_table(problem, evaluation.steps, context);
   if (!evaluation.violations.empty())
     text += fmt::format("\n{}\n", counted(evaluation.violations.size(), "violation"));
@@ -111,7 +114,11 @@ int run(const EvaluateOptions& options, const Context& context) {
   const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
 
-  const Evaluation evaluation = evaluate(problem, plan.sequence, plan.directions);
+  const bool by_part = problem.spec().action == StepKind::Part;
+  const Evaluation evaluation = by_part
+                                    ? evaluate(TransitionSystem(problem),
+                                               std::span<const PlanStep>(plan_steps(problem, plan)))
+                                    : evaluate(problem, plan.sequence, plan.directions);
   print_result(context, options.output, options.json, as_json(evaluation),
                [&] { return summary(problem, evaluation, options, context); });
   return evaluation.valid ? kSolved : kNoPlan;

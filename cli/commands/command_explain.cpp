@@ -103,6 +103,8 @@ int explain_all(const Problem& problem, const ExplainOptions& options, const Con
     if (found.status == Status::Infeasible) return head + conflict_text(found);
     if (found.status == Status::Unknown)
       return head + "not decided whether a plan exists: " + stop_text(found.stop) + '\n';
+    // What is said of single connections is of no use where steps take several.
+    if (problem.spec().action == StepKind::Part) return head + "a plan exists\n";
     return head + "a plan exists\n\n" + refusals_text(problem, context);
   });
   if (found.status == Status::Infeasible) return kNoPlan;
@@ -268,6 +270,11 @@ int run(const ExplainOptions& options, const Context& context) {
     throw InputError("PROBLEM and --plan cannot both be read from standard input");
   const Problem problem =
       load_one_robot_problem(options.problem, options.changes, context, "explain");
+  if (options.connection && problem.spec().action == StepKind::Part)
+    throw InputError(
+        "explain --connection answers for steps that take one connection; with \"action\": "
+        "\"part\" "
+        "a step takes several");
   return options.connection ? explain_one(problem, options, context)
                             : explain_all(problem, options, context);
 }

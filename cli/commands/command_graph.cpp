@@ -100,7 +100,9 @@ std::string summary(const Problem& problem, const Facts& facts, const GraphOptio
 /// H with an optimal plan highlighted, where there is one.
 std::string drawing(const StateGraph& graph, const Budget& budget) {
   const Result best = value_iteration(graph, {}, budget);
-  return state_graph_dot(graph, best.sequence);
+  // A path is known by single connections.
+  const bool wide = graph.system().wide();
+  return state_graph_dot(graph, wide ? std::vector<ConnectionIndex>{} : best.sequence);
 }
 
 void refuse_wrong_outputs(const GraphOptions& options) {

@@ -60,27 +60,38 @@ void insert_all(ConnectionSet& set, const ConnectionSet& others) {
   for_each_connection(others.view(), [&](ConnectionIndex c) { set.insert(c); });
 }
 
-std::vector<ConnectionIndex> old_sequence(const Problem& problem, const ReplanOptions& options,
-                                          const Context& context) {
+std::vector<PlanStep> old_steps(const Problem& problem, const ReplanOptions& options,
+                                const Context& context) {
   const PlanFile plan = read_plan(*options.plan, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
-  std::vector<ConnectionIndex> sequence;
+  std::vector<PlanStep> steps;
+  try {
+    steps = plan_steps(problem, plan);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", *options.plan, error.what()));
+  }
   ConnectionSet met(problem.num_connections());
-  for (std::size_t i = 0; i < plan.sequence.size(); ++i) {
-    const std::string place = fmt::format("{}: step {}", *options.plan, i + 1);
-    const ConnectionIndex c = problem.find_connection(plan.sequence[i], place);
-    if (met.contains(c)) {
-      throw InputError(
-          fmt::format("{}: {} is handled a second time", place, in_quotes(plan.sequence[i])));
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    for (const ConnectionIndex c : steps[i].connections) {
+      if (met.contains(c)) {
+        throw InputError(fmt::format("{}: step {}: {} is handled a second time", *options.plan,
+                                     i + 1, in_quotes(problem.connection_id(c))));
+      }
+      met.insert(c);
     }
-    met.insert(c);
-    sequence.push_back(c);
   }
-  if (options.done.value_or(0) > sequence.size()) {
+  if (options.done.value_or(0) > steps.size()) {
     throw InputError(fmt::format("--done: the plan has only {}, so {} cannot be done",
-                                 counted(sequence.size(), "step"), *options.done));
+                                 counted(steps.size(), "step"), *options.done));
   }
-  return sequence;
+  return steps;
+}
+
+std::vector<ConnectionIndex> all_of(std::span<const PlanStep> steps) {
+  std::vector<ConnectionIndex> all;
+  for (const PlanStep& step : steps)
+    all.insert(all.end(), step.connections.begin(), step.connections.end());
+  return all;
 }
 
 /// What became of the steps of the old plan that were still to come.
@@ -125,16 +136,19 @@ void split_common(std::span<const ConnectionIndex> sequence, std::span<const std
     (kept[i] ? changes.kept : changes.moved).push_back(sequence[i]);
 }
 
-Changes changes_between(const Problem& problem, const Situation& now,
-                        std::span<const ConnectionIndex> old, const Result& result) {
+Changes changes_between(const Problem& problem, const Situation& now, std::span<const PlanStep> old,
+                        const Result& result) {
   Changes changes;
-  std::vector<ConnectionIndex> left;
-  std::vector<std::size_t> old_place(problem.num_connections(), problem.num_connections());
-  for (const ConnectionIndex c : old) {
-    if (!now.open.contains(c)) continue;
-    old_place[c] = left.size();
-    left.push_back(c);
+  std::vector<PlanStep> left_steps;
+  for (const PlanStep& step : old) {
+    PlanStep left{{}, step.direction};
+    std::ranges::copy_if(step.connections, std::back_inserter(left.connections),
+                         [&](ConnectionIndex c) { return now.open.contains(c); });
+    if (!left.connections.empty()) left_steps.push_back(std::move(left));
   }
+  const std::vector<ConnectionIndex> left = all_of(left_steps);
+  std::vector<std::size_t> old_place(problem.num_connections(), problem.num_connections());
+  for (std::size_t i = 0; i < left.size(); ++i) old_place[left[i]] = i;
   split_common(result.sequence, old_place, changes);
   ConnectionSet planned(problem.num_connections());
   for (const ConnectionIndex c : result.sequence) planned.insert(c);
@@ -142,8 +156,12 @@ Changes changes_between(const Problem& problem, const Situation& now,
                        [&](ConnectionIndex c) { return !planned.contains(c); });
   Situation undisturbed = Situation::whole(problem.num_connections());
   undisturbed.open = now.open;
-  const Evaluation before =
-      evaluate(TransitionSystem(problem, undisturbed), std::span<const ConnectionIndex>(left));
+  undisturbed.in_force = now.in_force;
+  undisturbed.last_place = now.last_place;
+  const TransitionSystem from_here(problem, undisturbed);
+  const Evaluation before = from_here.wide()
+                                ? evaluate(from_here, std::span<const PlanStep>(left_steps))
+                                : evaluate(from_here, std::span<const ConnectionIndex>(left));
   if (before.valid) {
     changes.before = before.reward;
     if (result.has_plan()) changes.price = before.reward - result.reward;
@@ -244,6 +262,26 @@ std::string waiting_text(const Task& task, const std::optional<Waiting>& lost,
   return text;
 }
 
+/// Where a goal cannot be reached any more: of what it asks for, connections that can still be
+/// taken off together, as many as are found when they are added one by one.
+std::vector<ConnectionIndex> still_reachable(const Problem& problem, const Situation& now,
+                                             const Budget& budget) {
+  std::vector<ConnectionIndex> reachable;
+  ProblemSpec spec = problem.spec();
+  spec.goal = Goal{};
+  for (const ConnectionIndex c : problem.goal()) {
+    if (!now.open.contains(c) || now.inaccessible.contains(c)) continue;
+    spec.goal->removed.push_back(problem.connection_id(c));
+    const Problem part(spec);
+    if (solve(Task(part, now), "greedy", {}, budget).has_plan()) {
+      reachable.push_back(c);
+    } else {
+      spec.goal->removed.pop_back();
+    }
+  }
+  return reachable;
+}
+
 Settings settings_of(const ReplanOptions& options) {
   Settings settings;
   const auto note = [&](const char* name, const std::string& ids) {
@@ -309,13 +347,20 @@ int run(const ReplanOptions& options, const Context& context) {
     throw InputError("--done counts the steps of an old plan; give it with --plan");
   const Problem written = load_one_robot_problem(options.problem, {}, context, "replan");
   const Problem problem = changed(written, options.changes);
-  std::vector<ConnectionIndex> old;
+  std::vector<PlanStep> old;
   if (options.plan)
-    old = old_sequence(options.changes.direction ? problem : written, options, context);
+    old = old_steps(options.changes.direction ? problem : written, options, context);
 
   Situation now = Situation::whole(problem.num_connections());
   const auto no_longer_open = [&](ConnectionIndex c) { now.open.erase(c); };
-  std::ranges::for_each(std::span(old).first(options.done.value_or(0)), no_longer_open);
+  const bool wide = TransitionSystem(problem).wide();
+  for (const PlanStep& step : std::span(old).first(options.done.value_or(0))) {
+    if (wide) {
+      note_done(problem, step, now);
+    } else {
+      std::ranges::for_each(step.connections, no_longer_open);
+    }
+  }
   for_each_connection(connections_called(problem, options.removed, "--removed").view(),
                       no_longer_open);
   now.inaccessible = connections_called(problem, options.inaccessible, "--inaccessible");
@@ -335,7 +380,7 @@ int run(const ReplanOptions& options, const Context& context) {
   {
     ProgressLine progress(context, title(problem, options.problem) + ", replan");
     progress.attach_to(budget);
-    if (options.changes.objective && !options.changes.direction && !problem.uncertain()) {
+    if (options.changes.objective && !options.changes.direction && !problem.uncertain() && !wide) {
       answer = reweighed(written, problem, now, options, budget);
       require_honest(task, answer.result);
     } else {
@@ -345,6 +390,11 @@ int run(const ReplanOptions& options, const Context& context) {
   }
   const Result& result = answer.result;
   std::map<std::string, std::string> more;
+  std::optional<std::vector<ConnectionIndex>> reachable;
+  if (result.status == Status::Infeasible && problem.spec().goal) {
+    reachable = still_reachable(problem, now, budget);
+    more["still_reachable"] = ids_json(problem, *reachable).dump();
+  }
   if (!answer.times.empty()) more["reweighing"] = answer.times;
   std::optional<Changes> changes;
   if (options.plan && result.has_plan()) {
@@ -369,6 +419,11 @@ int run(const ReplanOptions& options, const Context& context) {
   text += waiting_text(task, lost, options, result, context);
   if (changes) text += changes_text(problem, *changes, context);
   if (why && !why->conflict.empty()) text += '\n' + conflict_text(*why);
+  if (reachable) {
+    text += reachable->empty() ? "\nnothing that the goal asks for can still be taken off\n"
+                               : "\nof what the goal asks for, this can still be taken off\n  " +
+                                     capped_ids(problem, *reachable, context) + "\n";
+  }
   if (!result.notes.empty()) text += '\n';
   for (const std::string& note : result.notes) text += printable(note) + '\n';
   context.print(text);

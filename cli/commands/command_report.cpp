@@ -108,6 +108,10 @@ ReportPlan plan_of_result(const Problem& problem, const Result& result) {
   plan.label = result.method;
   plan.origin = fmt::format("Found by {}.", result.method);
   for (const ConnectionIndex c : result.sequence) plan.sequence.push_back(problem.connection_id(c));
+  for (const PlanStep& step : result.steps) {
+    plan.directions.push_back(step.direction ? problem.direction_name(*step.direction)
+                                             : std::string());
+  }
   if (result.expectation) {
     plan.expected = result.reward;
     plan.notes.push_back(
@@ -253,6 +257,10 @@ int run(const ReportOptions& options, const Context& context) {
   const std::vector<PlanText> files = read_plans(options.plans);
   for (const PlanText& file : files) require_plan_for(problem, file.text, file.file);
   if (problem.objective().of_fleet()) return report_fleet(problem, files, options, context);
+  if (problem.spec().action == StepKind::Part)
+    throw InputError(
+        "report draws steps that take one connection each; with \"action\": \"part\" a step takes "
+        "several");
   const TransitionSystem system(problem);
   const LimitOptions limits = search_limits(options);
 

@@ -198,6 +198,11 @@ int run(const SimulateOptions& options, const Context& context) {
     throw InputError("PROBLEM and what to follow cannot both be read from standard input");
   const Problem problem =
       load_one_robot_problem(options.problem, options.changes, context, "simulate");
+  if (TransitionSystem(problem).wide())
+    throw InputError(
+        "simulate plays attempts at single connections until none is left, which earn what they "
+        "earn "
+        "whatever came before; here a goal, part steps or costs between steps say otherwise");
   const Outcome outcome = outcome_of(problem, options, context);
   const Figures figures = figures_of(outcome.simulation.rewards);
   const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);

@@ -83,7 +83,16 @@ std::string alternatives_text(const Problem& problem, const Alternatives& altern
               : fmt::format("\nthe {}\n", counted(plans.size(), "best plan"));
   for (std::size_t i = 0; i < plans.size(); ++i) {
     std::vector<std::string> ids;
-    for (const ConnectionIndex c : plans[i].sequence) ids.push_back(problem.connection_id(c));
+    if (plans[i].steps.empty()) {
+      for (const ConnectionIndex c : plans[i].sequence) ids.push_back(problem.connection_id(c));
+    }
+    for (const PlanStep& step : plans[i].steps) {
+      std::string taken;
+      for (const ConnectionIndex c : step.connections)
+        taken += (taken.empty() ? "" : " + ") + problem.connection_id(c);
+      if (step.direction) taken += " " + problem.direction_name(*step.direction);
+      ids.push_back(std::move(taken));
+    }
     text += fmt::format("{:>4}  reward {}\n", i + 1, reward_texts[i]);
     text += wrapped_list(ids, 6, context.width());
   }

@@ -19,9 +19,16 @@
 namespace orasp::cli {
 namespace {
 
-std::string opposite_order(const Problem& problem, const Result& result, std::size_t width) {
+/// What a goal leaves, or the plan the other way round.
+std::string opposite_order(const Problem& problem, const Evaluation& evaluation,
+                           std::size_t width) {
   std::vector<std::string> ids;
-  for (const ConnectionIndex c : result.sequence) ids.push_back(problem.connection_id(c));
+  if (problem.spec().goal) {
+    for (const ConnectionIndex c : evaluation.stays) ids.push_back(problem.connection_id(c));
+    if (ids.empty()) ids.emplace_back("nothing");
+    return fmt::format("\nstays\n{}", wrapped_list(ids, 2, width));
+  }
+  for (const Step& step : evaluation.steps) ids.push_back(connections_text(problem, step));
   std::ranges::reverse(ids);
   const bool assembly = problem.direction() == Direction::Assembly;
   return fmt::format("\n{} order\n{}", assembly ? "disassembly" : "assembly",
@@ -134,12 +141,12 @@ std::string fleet_objective_text(const Problem& problem, const Result& result) {
 
 std::string steps_of_one_robot(const Task& task, const Result& result, const Context& context) {
   const TransitionSystem system(task.problem, task.situation);
-  const Evaluation evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
-  if (evaluation.steps.empty()) return {};
+  const Evaluation evaluation = evaluate(system, result);
+  if (evaluation.steps.empty() && !task.problem.spec().goal) return {};
   std::string text;
   if (result.expectation) text += course_text(task.problem, *result.expectation, context.width());
-  text += '\n' + step_table(task.problem, evaluation.steps, context);
-  return text + opposite_order(task.problem, result, context.width());
+  if (!evaluation.steps.empty()) text += '\n' + step_table(task.problem, evaluation.steps, context);
+  return text + opposite_order(task.problem, evaluation, context.width());
 }
 
 }  // namespace

@@ -28,6 +28,13 @@ std::string way(const Problem& problem, const Step& step) {
 
 }  // namespace
 
+std::string connections_text(const Problem& problem, const Step& step) {
+  std::string text;
+  for (const ConnectionIndex c : step.connections)
+    text += (text.empty() ? "" : " + ") + problem.connection_id(c);
+  return text;
+}
+
 std::string step_table(const Problem& problem, std::span<const Step> steps,
                        const Context& context) {
   std::vector<double> rewards;
@@ -38,7 +45,7 @@ std::string step_table(const Problem& problem, std::span<const Step> steps,
     total += step.reward;
     rewards.push_back(step.reward);
     totals.push_back(total);
-    id_width = std::max(id_width, display_width(problem.connection_id(step.connection)));
+    id_width = std::max(id_width, display_width(connections_text(problem, step)));
   }
   const std::vector<std::string> reward_texts = aligned_numbers(rewards);
   const std::vector<std::string> total_texts = aligned_numbers(totals);
@@ -71,8 +78,7 @@ std::string step_table(const Problem& problem, std::span<const Step> steps,
   table.add_column("reward", TextTable::Align::Right);
   table.add_column("total", TextTable::Align::Right);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    std::vector<std::string> row = {fmt::to_string(i + 1),
-                                    problem.connection_id(steps[i].connection),
+    std::vector<std::string> row = {fmt::to_string(i + 1), connections_text(problem, steps[i]),
                                     moved_piece(problem, steps[i], piece_width)};
     if (directed) row.push_back(directions[i]);
     row.push_back(reward_texts[i]);

@@ -60,6 +60,9 @@ std::optional<std::string> wrong_kind(const Planner& planner, const Request& req
            problem.connection_id(*problem.first_uncertain()) +
            "\" may fail (its success is below 1)";
   }
+  if (problem.uncertain() && request.system != nullptr && request.system->wide())
+    return "plans for attempts that may fail where every connection is handled and steps earn what "
+           "they earn whatever came before; here a goal or costs between steps say otherwise";
   return std::nullopt;
 }
 
@@ -92,7 +95,9 @@ std::string refusal(const Planner& planner, const std::string& reason, const Req
 }
 
 void require_honest_plan(const Task& task, const Result& result) {
-  const PlanCheck check = check_plan(task.problem, task.situation, result.sequence);
+  const PlanCheck check = result.steps.empty()
+                              ? check_plan(task.problem, task.situation, result.sequence)
+                              : check_plan(task.problem, task.situation, result.steps);
   if (!check.legal) dishonest(result, "breaks a rule: " + check.fault);
   // Where attempts may fail the reward is an expectation, which no replay of one sequence gives.
   if (result.expectation || same_reward(result.reward, check)) return;

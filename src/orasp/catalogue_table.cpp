@@ -14,6 +14,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/beam.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/dijkstra.h"
 #include "orasp/planners/exhaustive.h"
 #include "orasp/planners/greedy.h"
@@ -51,6 +52,7 @@ Reason bound_needed_by(const TransitionSystem& system, BoundKind kind) {
 Reason bound_needed(const Request& request) {
   if (settled_at_sight(request)) return std::nullopt;
   const TransitionSystem& system = *request.system;
+  if (system.wide()) return detail::wide_bound_obstacle(system);
   return system.takes_apart() || system.ordered()
              ? bound_needed_by(system, request.options.bound)
              : bound_needed_by(system.backwards(), request.options.bound);
@@ -58,7 +60,8 @@ Reason bound_needed(const Request& request) {
 
 /// Beam goes on without a bound where it was not asked for a certain one.
 Reason bound_asked_for(const Request& request) {
-  return request.options.bound == BoundKind::Best ? std::nullopt : bound_needed(request);
+  const bool wide = request.system->wide();
+  return request.options.bound == BoundKind::Best && !wide ? std::nullopt : bound_needed(request);
 }
 
 Reason pieces_needed(const Request& request) {
@@ -89,6 +92,7 @@ Reason fleet_search_needed(const Request& request) {
 
 Reason network_needed(const Request& request) {
   if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
+  if (request.system->wide()) return std::string(kPlainSteps);
   return request.options.policy ? policy_obstacle(*request.system, *request.options.policy)
                                 : network_obstacle();
 }

@@ -537,8 +537,8 @@ TEST(Reweighing, EqualsGeneratingOnRandomProblemsUnderEveryObjective) {
     StateGraph graph = StateGraph::build(system, Budget{});
     SplitMix64 random(seed + 5);
     std::string type = "callable";
-    const std::uint64_t which = random.below(kObjectiveTypes.size() + 1);
-    if (which < kObjectiveTypes.size()) type = kObjectiveTypes[which];
+    const std::uint64_t which = random.below(kPlainObjectiveTypes.size() + 1);
+    if (which < kPlainObjectiveTypes.size()) type = kPlainObjectiveTypes[which];
     const bool positions =
         std::ranges::all_of(spec.parts, [](const Part& part) { return part.position.has_value(); });
     if (!positions && (type == "travel" || type == "sum")) type = "time";
@@ -575,7 +575,7 @@ TEST(Reweighing, HubbleFreeAmongAllObjectivesEqualsFreshSolves) {
   Budget budget;
   budget.threads = 2;
   Replanner replanner(Problem(spec), {}, budget);
-  for (const std::string_view type : kObjectiveTypes) {
+  for (const std::string_view type : kPlainObjectiveTypes) {
     if (type == "expression" || type == "sum") {
       spec.objective = random_objective(type, 1);
     } else {

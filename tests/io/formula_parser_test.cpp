@@ -62,7 +62,7 @@ TEST(Formula, NamesTheBadTokenAndItsPlace) {
   const std::string names =
       "before, after, separates, completes, moved_parts, kept_parts, moved_mass, kept_mass, "
       "subassemblies, duration, "
-      "index, distance, _e, _pi";
+      "index, distance, elapsed, _e, _pi";
   EXPECT_EQ(fault("1 + durations"), "unknown name \"durations\" at character 5; known are " +
                                         names + "; did you mean \"duration\"?");
   EXPECT_EQ(fault("1 + zzzzzz", {{"rate", 1}}),

@@ -244,13 +244,14 @@ TEST(ProblemJson, NamesAnUnknownKeyItsPlaceAndTheNearest) {
   EXPECT_EQ(fault(with(R"("presedence": [])")),
             "unknown key \"presedence\"; known keys are format, name, note, source, parts, "
             "connections, precedence, "
-            "blocking, limits, objective, direction, fleet; did you mean \"precedence\"?");
+            "blocking, limits, base, goal, action, objective, direction, fleet; did you mean "
+            "\"precedence\"?");
   EXPECT_EQ(fault(with_part(R"({"id": "1", "weight": 2})")),
-            "parts[0]: unknown key \"weight\"; known keys are id, name, mass, position");
+            "parts[0]: unknown key \"weight\"; known keys are id, name, mass, position, numbers");
   EXPECT_EQ(
       fault(with(R"("limits": {"max_moved_part": 2})")),
       "limits: unknown key \"max_moved_part\"; known keys are max_subassemblies, max_moved_parts, "
-      "max_moved_mass; did you mean \"max_moved_parts\"?");
+      "max_moved_mass, grounded; did you mean \"max_moved_parts\"?");
   EXPECT_EQ(fault(with(R"("objective": {"type": "time", "weight": 2})")),
             "objective: unknown key \"weight\"; known keys are type, depot, speed, transfer");
 }

@@ -114,6 +114,42 @@ HOSTILE = [
     (["fleet"], {"robots": 1, "sites": [[1, 2, 3]]}), (["fleet"], {"robots": 1, "speed": 1}),
 ]
 
+# A problem with every key that does not go with attempts that may fail, and what is changed in it.
+WIDE = {
+    "format": "orasp-problem/1", "name": "wide",
+    "parts": [{"id": "1", "position": [0, 0, 0], "numbers": {"value": 2.5, "note": "n", "source": 3, "x-other": "text"}},
+              {"id": "2", "position": [1, 0, 0]}, {"id": "3"}],
+    "connections": [{"id": "a", "parts": ["1", "2"], "numbers": {"worth": -1}, "attributes": {"tool": "M4", "note": "n", "x-y": 1}},
+                    {"id": "b", "parts": ["2", "3"], "position": [2, 0, 0], "attributes": {"tool": ""}}],
+    "blocking": {"directions": ["+x", "-x"], "blocked": []},
+    "limits": {"grounded": True}, "base": ["3"],
+    "goal": {"free": ["1"], "removed": [], "stop": "best", "note": "n", "x-y": 1},
+    "action": "connection",
+    "objective": {"type": "sum", "terms": [
+        {"type": "changeover", "attribute": "tool", "cost": 2, "start": "M4", "weight": 2,
+         "costs": [{"from": "M4", "to": "", "cost": 0.25, "note": "n", "x-y": 1}]},
+        {"type": "changeover", "attribute": "direction"},
+        {"type": "route", "start": [0, 0, 0], "per_metre": 0.5}, {"type": "route"},
+        {"type": "expression", "formula": "moved_value + worth - source - elapsed"}]},
+}
+TERMS = ["objective", "terms"]
+HOSTILE_WIDE = [
+    (["parts", 0, "numbers"], [1]), (["parts", 0, "numbers", "value"], "2"), (["parts", 0, "numbers", "a b"], 1),
+    (["parts", 0, "numbers", "2a"], 1), (["parts", 0, "attributes"], {"tool": "M4"}),
+    (["connections", 0, "numbers", "worth"], None), (["connections", 0, "attributes"], ["M4"]),
+    (["connections", 0, "attributes", "tool"], 4), (["connections", 0, "attributes", ""], "M4"),
+    (["connections", 0, "attributes", "direction"], "+x"), (["connections", 1, "position"], [0, 0]),
+    (["limits", "grounded"], "yes"), (["limits", "grounded"], 1), (["base"], ABSENT), (["base"], []),
+    (["base"], "3"), (["base"], ["3", "3"]), (["base"], [3]), (["goal"], {}), (["goal"], {"stop": "best"}), (["goal"], ["1"]),
+    (["goal", "stop"], "never"), (["goal", "free"], "1"), (["goal", "removed"], [1]), (["goal", "remove"], []),
+    (["direction"], "assembly"), (["action"], "parts"), (["action"], None),
+    (["fleet"], {"robots": 1, "sites": [[0, 0]]}),
+    ([*TERMS, 0, "attribute"], ABSENT), ([*TERMS, 0, "attribute"], ""), ([*TERMS, 0, "attribute"], 3), ([*TERMS, 0, "cost"], "2"),
+    ([*TERMS, 0, "costs"], {"M4": 1}), ([*TERMS, 0, "costs", 0, "cost"], ABSENT), ([*TERMS, 0, "costs", 0, "from"], 4),
+    ([*TERMS, 0, "costs", 0, "back"], 1), ([*TERMS, 0, "start"], None), ([*TERMS, 0, "default"], 1),
+    ([*TERMS, 2, "start"], [0, 0]), ([*TERMS, 2, "per_metre"], "1"), ([*TERMS, 2, "speed"], 1),
+]
+
 
 def changed(document, path, value):
     document = copy.deepcopy(document)
@@ -183,6 +219,15 @@ class Problems(unittest.TestCase):
         self.assertEqual(self.judged(dict(FULL, objective={"type": "cubesat"}, direction="assembly", connections=[
             {"id": "a", "parts": ["1", "2"]}, {"parts": ["2", "3"]}, {"id": "c", "parts": ["1", "3"]}])), (True, True))
 
+    def test_a_problem_with_all_that_looks_back_fits_and_is_taken(self):
+        self.assertEqual(self.judged(WIDE), (True, True))
+        self.assertEqual(self.judged(dict(WIDE, action="part", goal={"removed": ["a"]})), (True, True))
+
+    def test_hostile_wide_problems_are_refused_by_both(self):
+        for path, value in HOSTILE_WIDE:
+            with self.subTest(path=path, value=value if value is not ABSENT else "absent"):
+                self.assertEqual(self.judged(changed(WIDE, path, value)), (False, False))
+
     def test_a_fleet_names_its_own_objectives(self):
         pair = {"format": "orasp-problem/1", "parts": [{"id": "1"}, {"id": "2"}],
                 "connections": [{"parts": ["1", "2"], "axis": "+x"}], "fleet": {"robots": 2, "sites": [[1, 0]]}}
@@ -226,6 +271,21 @@ class Plans(unittest.TestCase):
                 plan = self.plan(arguments)
                 self.assertEqual(faults("orasp-plan-1", plan), [])
                 self.assertEqual(plan.keys() - known, set())
+
+    def test_plans_of_wide_problems_fit(self):
+        known = schema_of("orasp-plan-1")["properties"].keys()
+        goal = {"removed": ["a"]}
+        for problem in [WIDE, dict(WIDE, action="part", goal=goal), dict(WIDE, goal=goal), dict(WIDE, goal={"removed": []})]:
+            with self.subTest(problem=problem), tempfile.TemporaryDirectory() as folder:
+                file = Path(folder) / "problem.json"
+                file.write_text(json.dumps(problem), encoding="utf-8")
+                plan = self.plan(["solve", str(file), "--alternatives", "2"])
+                self.assertEqual(faults("orasp-plan-1", plan), [])
+                self.assertEqual(plan.keys() - known, set())
+                self.assertIn("stays", plan)
+                if problem.get("action") == "part":
+                    self.assertTrue(all(isinstance(step, list) for step in plan["disassembly"]))
+                    self.assertTrue(all("connections" in step for step in plan["steps"]))
 
     def test_what_replan_says_of_an_old_plan_fits(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -37,9 +37,12 @@ oracle::Rule rule_of(Constraint constraint) {
     case Constraint::NotOpen:
     case Constraint::Inaccessible:
     case Constraint::NotNext:
-    case Constraint::Late: break;
+    case Constraint::Late:
+    case Constraint::Grounded:
+    case Constraint::Goal:
+    case Constraint::NotOneStep: break;
   }
-  throw std::logic_error("no constraint of the problem's own");
+  throw std::logic_error("no constraint that the oracle knows");
 }
 
 oracle::Parts as_parts(const std::vector<PartIndex>& list) {

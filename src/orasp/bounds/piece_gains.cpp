@@ -20,7 +20,10 @@ PieceGains::PieceGains(const TransitionSystem& system) {
       if (completes_last && system.start().contains(c))
         last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
     }
-    most_moved_ = problem.limits().max_moved_parts.value_or(problem.num_parts());
+    // A cut between two base parts moves nothing, however large its sides are.
+    most_moved_ = problem.spec().base.size() > 1
+                      ? problem.num_parts()
+                      : problem.limits().max_moved_parts.value_or(problem.num_parts());
     measure_sizes(system, expander);
     prices_ =
         PiecePrices(expander, problem, units_, most_moved_,

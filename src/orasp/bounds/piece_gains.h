@@ -93,6 +93,8 @@ class PieceGains {
   /// The most that a cut into a smaller side of `moved` parts and a larger one of `kept` gains;
   /// -infinity where max_moved_parts forbids it.
   [[nodiscard]] double gain(std::size_t moved, std::size_t kept) const;
+  /// The most parts of a smaller side that a cut may have.
+  [[nodiscard]] std::size_t most_moved() const { return most_moved_; }
   /// The bound by what is moved (PiecePrices).
   [[nodiscard]] double by_parts(std::span<const PartIndex> piece) const {
     return prices_.bound(piece, units_);

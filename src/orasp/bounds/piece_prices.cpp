@@ -251,7 +251,9 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
       std::isfinite(expander.greatest_gain_of_moving({&first, 1}));
   if (!gain_is_told_by_what_moves) return;
   const detail::AssemblyGraph graph(problem);
-  const std::size_t most = expander.moving_more_costs_more() ? 1 : std::min(most_moved, parts / 2);
+  // What moves is the smaller side, unless that is fixed.
+  const std::size_t least_most = problem.base().empty() ? parts / 2 : parts - 1;
+  const std::size_t most = expander.moving_more_costs_more() ? 1 : std::min(most_moved, least_most);
   for_each_small_set(graph, std::min(most, kMostListed), [&](std::span<const PartIndex> moved) {
     const double gained = expander.greatest_gain_of_moving(moved);
     for (const PartIndex part : moved) prices_[part] = std::max(prices_[part], gained);
@@ -260,7 +262,9 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
     // Larger moved pieces are too many to list: what they gain at most is told from their sizes.
     double larger = -kInfinity;
     for (std::size_t a = kMostListed + 1; a <= most; ++a) {
-      for (std::size_t b = a; a + b <= parts; ++b) larger = std::max(larger, gain(a, b));
+      const std::size_t least_kept = problem.base().empty() ? a : 1;
+      for (std::size_t b = least_kept; a + b <= parts; ++b)
+        larger = std::max(larger, gain(std::min(a, b), std::max(a, b)));
     }
     for (double& price : prices_) price = std::max(price, larger);
   } else if (most > 1 && !units.any()) {
@@ -278,6 +282,12 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
       if (too_heavy) stays_[units.any() ? units.first_of(part) : part] = 1;
     }
   }
+  if (!problem.base().empty()) {
+    fixed_.assign(parts, 0);
+    for (PartIndex part = 0; part < parts; ++part) {
+      if (problem.in_base(part)) fixed_[units.any() ? units.first_of(part) : part] = 1;
+    }
+  }
   if (!units.any()) return;
   // A unit pays once, so it pays the least price of its parts.
   for (PartIndex part = 0; part < parts; ++part) {
@@ -292,18 +302,24 @@ double PiecePrices::bound(std::span<const PartIndex> piece, const PartUnits& uni
   if (!small_.empty() && piece.size() <= kMostListed) {
     const auto found = small_.find(small_key(piece));
     known = found == small_.end() ? -kInfinity : found->second;
-    if (stays_.empty()) return known;
+    if (stays_.empty() && fixed_.empty()) return known;
   }
   double sum = 0;
   double least = kInfinity;
   std::optional<double> of_what_stays;
+  bool is_fixed = false;
   for (const PartIndex part : piece) {
     if (units.merged(part)) continue;
+    if (!fixed_.empty() && fixed_[part] != 0) {
+      is_fixed = true;
+      continue;
+    }
     sum += prices_[part];
     least = std::min(least, prices_[part]);
     if (!stays_.empty() && stays_[part] != 0)
       of_what_stays = std::min(of_what_stays.value_or(kInfinity), prices_[part]);
   }
+  if (is_fixed) return std::min(known, sum);
   if (of_what_stays) return std::min(known, sum - *of_what_stays);
   return known < kInfinity ? known : sum - least;
 }

@@ -33,7 +33,8 @@ namespace orasp {
 ///             then repaired, so that they are always valid. Pieces of up to three parts have their
 ///             exact value, which keeps the bound consistent.
 ///             A part that is heavier than max_moved_mass never moves: it is what stays of its
-///             piece, and all others pay.
+///             piece, and all others pay. Nor does a base part, and there may be several in a
+///             piece: each cut between two of them moves nothing, and gains nothing.
 /// Reference.  Subgradients: Held and Karp (1971), Mathematical Programming 1, 6-25.
 /// Guarantee.  Never below what the cuts of a piece can gain.
 /// Cost.       O(connected sets of three parts) once, and half a second at most for the
@@ -59,6 +60,8 @@ class PiecePrices {
   bool known_ = false;
   /// The price of each part.
   std::vector<double> prices_;
+  /// By part, whether it is fixed; empty where nothing is.
+  std::vector<unsigned char> fixed_;
   /// By part, whether it can never move; empty without max_moved_mass.
   std::vector<unsigned char> stays_;
   /// The exact values of connected sets of two and three parts, by a number for the set. Empty

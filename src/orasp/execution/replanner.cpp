@@ -26,7 +26,7 @@ constexpr std::string_view kMethod = "replanner";
 
 bool same_limits(const Limits& a, const Limits& b) {
   return a.max_subassemblies == b.max_subassemblies && a.max_moved_parts == b.max_moved_parts &&
-         a.max_moved_mass == b.max_moved_mass;
+         a.max_moved_mass == b.max_moved_mass && a.grounded == b.grounded;
 }
 
 }  // namespace
@@ -61,7 +61,8 @@ struct Replanner::Held {
 
   void build(const ReplannerOptions& options, const Budget& budget) {
     const Stopwatch watch;
-    if (!problem.uncertain() && !system.infeasibility() && fits(options, budget)) {
+    if (!problem.uncertain() && !system.wide() && !system.infeasibility() &&
+        fits(options, budget)) {
       graph.emplace(StateGraph::build(system, budget));
       measure(budget);
     }
@@ -229,7 +230,12 @@ const Problem& Replanner::problem() const {
 
 Situation Replanner::situation() const {
   const Problem& now = problem();
-  Situation situation{open_, inaccessible_, not_next_, ConnectionSet(now.num_connections())};
+  Situation situation{open_, inaccessible_, not_next_, ConnectionSet(now.num_connections()), {},
+                      {}};
+  if (held_.front()->system.looks_back()) {
+    situation.in_force = in_force_;
+    situation.last_place = last_place_;
+  }
   if (lost_.empty() && late_.empty()) return situation;
   ConnectionSet missing(now.num_connections());
   for (ConnectionIndex c = 0; c < now.num_connections(); ++c) {
@@ -246,8 +252,25 @@ Situation Replanner::situation() const {
   return situation;
 }
 
+Situation Replanner::situation_of_steps() const {
+  Situation now = Situation::whole(open_.universe());
+  now.in_force = in_force_;
+  now.last_place = last_place_;
+  return now;
+}
+
 void Replanner::set_done(ConnectionIndex connection, bool done) {
   if (done) {
+    // The direction in which a piece left is known from the plan.
+    PlanStep step{{connection}, std::nullopt};
+    const auto planned = std::ranges::find_if(planned_, [&](const PlanStep& one) {
+      return std::ranges::find(one.connections, connection) != one.connections.end();
+    });
+    if (planned != planned_.end()) step.direction = planned->direction;
+    Situation before = situation_of_steps();
+    note_done(problem(), step, before);
+    in_force_ = std::move(before.in_force);
+    last_place_ = before.last_place;
     open_.erase(connection);
     not_next_ = ConnectionSet(open_.universe());
   } else {
@@ -348,6 +371,7 @@ Result Replanner::plan(const Budget& budget) {
     if (!from || ordered || may_be_sooner || left.infeasibility()) {
       Result result = held.problem.uncertain() ? uncertain_value_iteration(left, {}, budget)
                                                : automatic(left, 1, budget);
+      planned_ = result.steps;
       result.statistics.seconds = watch.seconds();
       return result;
     }

@@ -2,12 +2,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
+#include "orasp/model/transition_system.h"
+#include "orasp/model/vector3.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -101,6 +106,12 @@ class Replanner {
   ReplannerOptions options_;
   /// What is held for each of the last choices of limits, that of now first.
   std::vector<std::unique_ptr<Held>> held_;
+  /// What the steps done so far have left behind.
+  [[nodiscard]] Situation situation_of_steps() const;
+
+  std::map<std::string, std::string> in_force_;
+  std::optional<Vector3> last_place_;
+  std::vector<PlanStep> planned_;  ///< of the last plan, where there is more to steps
   ConnectionSet open_;
   ConnectionSet inaccessible_;
   ConnectionSet not_next_;

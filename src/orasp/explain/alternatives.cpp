@@ -75,6 +75,7 @@ std::string count_optimal(const StateGraph& graph, std::span<const double> value
   constexpr std::size_t kMost64 = 20;   // 20! < 2^64
   constexpr std::size_t kMost128 = 34;  // 34! < 2^128
   const std::size_t connections = graph.system().num_steps();
+  if (graph.system().wide()) return count_paths<BigInt>(graph, values, tolerance);
   if (connections <= kMost64) return count_paths<std::uint64_t>(graph, values, tolerance);
   if (connections <= kMost128)
     return count_paths<boost::multiprecision::uint128_t>(graph, values, tolerance);
@@ -90,6 +91,8 @@ Alternatives best_plans(const StateGraph& graph, std::span<const double> values,
   std::vector<std::vector<ActionId>> paths;  // of the plans
   std::vector<Departure> heap;
   std::uint64_t discovered = 0;
+  const bool wide = graph.system().wide();
+  Expander expander(graph.system());
 
   const auto state_after = [&](const std::vector<ActionId>& path, std::size_t steps) {
     return steps == 0 ? StateId{0} : graph.successor(path[steps - 1]);
@@ -115,9 +118,18 @@ Alternatives best_plans(const StateGraph& graph, std::span<const double> values,
       path.push_back(best);
     }
     Alternative plan;
+    StateId from = 0;
     for (const ActionId a : path) {
-      plan.sequence.push_back(graph.connection(a));
       plan.reward += graph.reward(a);
+      if (wide) {
+        const auto legal = expander.legal_actions(graph.key(from));
+        PlanStep step = expander.plan_step(legal[a - graph.begin(from)]);
+        plan.sequence.insert(plan.sequence.end(), step.connections.begin(), step.connections.end());
+        if (!step.connections.empty()) plan.steps.push_back(std::move(step));
+      } else {
+        plan.sequence.push_back(graph.connection(a));
+      }
+      from = graph.successor(a);
     }
     plans.push_back(std::move(plan));
     paths.push_back(std::move(path));

@@ -16,6 +16,8 @@ struct Alternative {
   double reward = 0;
   /// The connections in the order of the direction of the problem.
   std::vector<ConnectionIndex> sequence;
+  /// The same step by step, where there is more to steps (TransitionSystem::wide); else empty.
+  std::vector<PlanStep> steps{};
 };
 
 /// What H holds beside one optimal plan. Empty: not asked for, or not reached within the budget.

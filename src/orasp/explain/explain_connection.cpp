@@ -114,6 +114,9 @@ Remedy remedy_for(const Problem& problem, const Violation& violation, const Step
     case Constraint::MaxMovedMass:
       allow(step.moved_mass, detail::number_text(step.moved_mass) + " kg");
       break;
+    case Constraint::Grounded:
+      remedy.message = "a base part would have to be in each subassembly";
+      break;
     case Constraint::Blocking: {
       remedy.directions = blocked_directions(problem, step);
       const BlockedDirection& best = remedy.directions.front();
@@ -132,6 +135,8 @@ Remedy remedy_for(const Problem& problem, const Violation& violation, const Step
       remedy.first = violation.blocking_connections;
       remedy.message = "what does not wait for the part comes first";
       break;
+    case Constraint::Goal:
+    case Constraint::NotOneStep: break;  // of plans, not of a connection
     case Constraint::NotOpen: remedy.message = "it is not there to be handled again"; break;
   }
   return remedy;
@@ -146,13 +151,13 @@ void search_breadth_first(const TransitionSystem& system, const ConnectionSet& o
     ConnectionIndex step;
   };
   Expander expander(system);
-  detail::StateTable<0> states(system.words());
+  detail::StateTable<0> states(system.open_words());
   std::vector<Origin> origins;
   states.insert(open.view().data());
   origins.push_back({0, 0});
   for (std::uint32_t s = 0; s < states.size(); ++s) {
     if (s % 64 == 0 && budget.expired(states.bytes()) != Stop::None) return;
-    ConnectionSet state(system.num_connections(), SetView{states.key(s), system.words()});
+    ConnectionSet state(system.num_connections(), SetView{states.key(s), system.open_words()});
     const auto actions = expander.legal_actions(state.view());
     if (std::ranges::find(actions, connection, &Action::connection) != actions.end()) {
       explanation.later = ConnectionExplanation::Later::Legal;

@@ -28,6 +28,7 @@ enum class Kind {
   Subassemblies,
   MovedParts,
   MovedMass,
+  Grounded,
   Blocked,
   Inaccessible
 };
@@ -64,6 +65,7 @@ std::vector<Atom> atoms_of(const Problem& problem, const ConnectionSet& kept) {
   if (limits.max_subassemblies) atoms.push_back({Kind::Subassemblies});
   if (limits.max_moved_parts) atoms.push_back({Kind::MovedParts});
   if (limits.max_moved_mass) atoms.push_back({Kind::MovedMass});
+  if (limits.grounded) atoms.push_back({Kind::Grounded});
   if (const auto& blocking = problem.spec().blocking) {
     for (std::size_t i = 0; i < blocking->blocked.size(); ++i) {
       std::set<std::size_t> directions;
@@ -107,6 +109,9 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
   ProblemSpec spec;
   spec.parts = full.parts;
   spec.connections = full.connections;
+  spec.base = full.base;
+  spec.goal = full.goal;
+  spec.action = full.action;
   if (full.blocking) spec.blocking = Blocking{full.blocking->directions, {}};
   std::vector<Atom> atoms;
   for (const Unit& unit : units) atoms.insert(atoms.end(), unit.begin(), unit.end());
@@ -134,6 +139,7 @@ ProblemSpec reduced(const Problem& problem, const Units& units) {
         break;
       case Kind::MovedParts: spec.limits.max_moved_parts = full.limits.max_moved_parts; break;
       case Kind::MovedMass: spec.limits.max_moved_mass = full.limits.max_moved_mass; break;
+      case Kind::Grounded: spec.limits.grounded = true; break;
       // Which connections are inaccessible is said by the situation, not by the problem.
       case Kind::Inaccessible: break;
       case Kind::Blocked: {
@@ -378,6 +384,11 @@ ConflictItem described(const Problem& problem, const Unit& unit,
       return {Constraint::MaxMovedMass, "limits.max_moved_mass",
               "a moved piece may have at most " + detail::number_text(*spec.limits.max_moved_mass) +
                   " kg"};
+    case Kind::Grounded:
+      if (at_once && at_once->constraint == Constraint::Grounded)
+        return {Constraint::Grounded, "limits.grounded", at_once->message};
+      return {Constraint::Grounded, "limits.grounded",
+              "each subassembly must hold a base part (" + quoted_list(spec.base, "or") + ")"};
     case Kind::Inaccessible:
       return {Constraint::Inaccessible, "",
               in_quotes(problem.connection_id(static_cast<ConnectionIndex>(first.member))) +

@@ -158,12 +158,17 @@ std::vector<std::vector<Ground>> grounds(const TransitionSystem& system,
                            "starts from " + count + " of at most " + most + " subassemblies"});
         }
       }
-      if (limits.max_moved_parts && step.moved().size() <= *limits.max_moved_parts) {
+      if (limits.grounded)
+        found.push_back({Constraint::Grounded, "limits.grounded",
+                         "each subassembly still holds a base part",
+                         "the subassembly that it makes holds a base part"});
+      if (limits.max_moved_parts && step.moves() &&
+          step.moved().size() <= *limits.max_moved_parts) {
         const std::string text = "moves " + std::to_string(step.moved().size()) + " of at most " +
                                  counted_parts(*limits.max_moved_parts);
         found.push_back({Constraint::MaxMovedParts, "limits.max_moved_parts", text, text});
       }
-      if (limits.max_moved_mass &&
+      if (limits.max_moved_mass && step.moves() &&
           step.moved_mass <= *limits.max_moved_mass * (1 + kRelativeTolerance)) {
         const std::string text = "moves " + number_text(step.moved_mass) + " of at most " +
                                  number_text(*limits.max_moved_mass) + " kg";

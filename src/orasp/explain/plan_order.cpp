@@ -140,8 +140,7 @@ void add_cuts(const Problem& problem, const std::vector<ConnectionIndex>& order,
 }
 
 bool judges_cuts(const Problem& problem) {
-  const Limits& limits = problem.limits();
-  return limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass ||
+  return problem.limits().any() ||
          std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
 }
 

@@ -16,7 +16,7 @@
 namespace orasp {
 namespace {
 
-enum class Goal {
+enum class Aim {
   Plan,      ///< any plan within the steps
   Makespan,  ///< the fewest steps
   Travel,
@@ -27,7 +27,7 @@ enum class Goal {
 /// 1.
 class FleetProgramBuilder {
  public:
-  FleetProgramBuilder(const FleetProblem& fleet, Goal goal, std::size_t steps)
+  FleetProgramBuilder(const FleetProblem& fleet, Aim goal, std::size_t steps)
       : fleet_(fleet), problem_(fleet.problem()), goal_(goal), steps_(steps) {
     find_pieces();
     require_size();
@@ -46,8 +46,8 @@ class FleetProgramBuilder {
     }
     for (std::size_t t = 0; t < steps_; ++t) add_sites(t);
     add_precedence();
-    if (goal_ == Goal::Travel) add_travel();
-    if (goal_ == Goal::Makespan) add_makespan();
+    if (goal_ == Aim::Travel) add_travel();
+    if (goal_ == Aim::Makespan) add_makespan();
     return std::move(model_);
   }
 
@@ -119,7 +119,7 @@ class FleetProgramBuilder {
     const std::uint64_t places = fleet_.num_places();
     const std::uint64_t state = joined_.size() * (2 * places + directions() + 2) +
                                 connections() * (3 * places + 1) +
-                                (goal_ == Goal::Travel ? joined_.size() * places * places : 0);
+                                (goal_ == Aim::Travel ? joined_.size() * places * places : 0);
     const std::uint64_t columns = state * steps_;
     if (columns <= kFleetMipMaxColumns) return;
     throw Refusal("mip", "needs an integer program of " + std::to_string(steps_) +
@@ -172,7 +172,7 @@ class FleetProgramBuilder {
         MipSum one;
         for (PlaceIndex p = 0; p < fleet_.num_places(); ++p) {
           // Where only steps count, sites are alike: the pieces of the start stand on the first.
-          if (t == 0 && (p == kDepot || (goal_ != Goal::Travel && p != site))) continue;
+          if (t == 0 && (p == kDepot || (goal_ != Aim::Travel && p != site))) continue;
           one.add(at_[{i, p, t}] = model_.add_binary(mip_name("at", i + 1, p, t)), 1);
         }
         model_.add_row(mip_name("one_place", i + 1, t), one, MipSense::Equal, 1);
@@ -482,7 +482,7 @@ class FleetProgramBuilder {
 
   const FleetProblem& fleet_;
   const Problem& problem_;
-  Goal goal_;
+  Aim goal_;
   std::size_t steps_;
   MipModel model_;
   bool cycles_ = false;
@@ -589,7 +589,7 @@ class Run {
     for (std::size_t steps = (parts + fleet_.robots() - 1) / fleet_.robots(); steps <= allowed;
          ++steps) {
       result_.bound = 0.0 - static_cast<double>(steps);
-      FleetProgramBuilder builder(fleet_, Goal::Plan, steps);
+      FleetProgramBuilder builder(fleet_, Aim::Plan, steps);
       const MipSolution solution = solve(builder.build(), false);
       if (solution.status == MipSolution::Status::Infeasible) continue;
       if (solution.values.empty()) {
@@ -609,7 +609,7 @@ class Run {
 
   Result travel(std::size_t steps) {
     result_.steps_allowed = steps;
-    FleetProgramBuilder builder(fleet_, Goal::Travel, steps);
+    FleetProgramBuilder builder(fleet_, Aim::Travel, steps);
     const bool has_plan = result_.has_plan();  // of the fewest steps
     const MipSolution solution = solve(builder.build(), true);
     result_.stop = solution.stop;
@@ -650,7 +650,7 @@ std::size_t fleet_mip_horizon(const FleetProblem& fleet) {
 
 MipModel fleet_mip_model(const FleetProblem& fleet, std::size_t steps) {
   const bool travel = fleet.objective() == FleetObjective::Travel;
-  return FleetProgramBuilder(fleet, travel ? Goal::Travel : Goal::Makespan, steps).build();
+  return FleetProgramBuilder(fleet, travel ? Aim::Travel : Aim::Makespan, steps).build();
 }
 
 Result fleet_mip(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {

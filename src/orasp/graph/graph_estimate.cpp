@@ -7,6 +7,7 @@
 
 #include "orasp/bounds/connection_bound.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/graph/wide_graph_builder.h"
 #include "orasp/model/random.h"
 #include "orasp/task/memory_limit.h"
 
@@ -139,6 +140,22 @@ GraphEstimate sampled(const TransitionSystem& system) {
   return estimate;
 }
 
+/// Where states and steps are wide nothing is known from the connections alone: a part of H is
+/// built. An H that is larger is taken to be as large as there are subsets of its connections, for
+/// each context that was met.
+GraphEstimate looked_at(const TransitionSystem& system) {
+  constexpr std::uint64_t kMostStates = 100'000;
+  const StateGraph graph = WideGraphBuilder(system, {}).build(kMostStates);
+  if (graph.stop() == Stop::None) {
+    return {static_cast<double>(graph.num_states()), static_cast<double>(graph.num_actions()),
+            static_cast<double>(graph.peak_bytes()), true};
+  }
+  const double subsets = std::exp2(static_cast<double>(system.num_steps()));
+  const double states = std::max(10.0 * kMostStates, subsets);
+  const double actions = states * static_cast<double>(system.num_steps()) / 2;
+  return {states, actions, graph_bytes(system, states, actions, actions), false};
+}
+
 /// A count such as 1,234,567 up to a million million, and beyond that a power of ten.
 std::string size_text(double count) {
   if (count < 1e12) {
@@ -174,13 +191,12 @@ GraphEstimate estimate_without_constraints(const TransitionSystem& system) {
 
 bool unconstrained(const TransitionSystem& system) {
   const Problem& problem = system.problem();
-  const Limits& limits = problem.limits();
-  return problem.precedence().empty() && problem.directions().empty() &&
-         !limits.max_subassemblies && !limits.max_moved_parts && !limits.max_moved_mass &&
-         !system.ordered();
+  return problem.precedence().empty() && problem.directions().empty() && !problem.limits().any() &&
+         !system.ordered() && !system.wide();
 }
 
 GraphEstimate estimate_graph(const TransitionSystem& system) {
+  if (system.wide()) return looked_at(system);
   return unconstrained(system) ? estimate_without_constraints(system) : sampled(system);
 }
 
@@ -190,6 +206,8 @@ namespace {
 /// by sampling may be `slack` times as large as what is allowed.
 std::optional<GraphEstimate> too_large(const TransitionSystem& system, double allowed,
                                        double slack) {
+  // How large it is shows when it is built: the memory limit stands behind it.
+  if (system.wide()) return std::nullopt;
   // Constraints only take states away: where all subsets fit there is nothing to estimate.
   if (estimate_without_constraints(system).bytes <= allowed) return std::nullopt;
   const GraphEstimate estimate = estimate_graph(system);

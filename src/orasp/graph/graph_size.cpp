@@ -43,7 +43,9 @@ GraphSize graph_size(const StateGraph& graph) {
   constexpr std::size_t kMost64 = 20;   // 20! < 2^64
   constexpr std::size_t kMost128 = 34;  // 34! < 2^128
   const std::size_t connections = graph.system().num_steps();
-  if (connections <= kMost64) {
+  if (graph.system().wide()) {
+    count_paths<BigInt>(graph, size);  // a step may be made in several ways
+  } else if (connections <= kMost64) {
     count_paths<std::uint64_t>(graph, size);
   } else if (connections <= kMost128) {
     count_paths<boost::multiprecision::uint128_t>(graph, size);

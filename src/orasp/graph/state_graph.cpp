@@ -20,6 +20,7 @@ StateGraph::Reweighed StateGraph::reweigh(const TransitionSystem& system, const 
       !(system.start() == system_->start()) ||
       system.problem().direction() != system_->problem().direction())
     return Reweighed::Differs;
+  if (system.wide() || system_->wide()) return Reweighed::Differs;
   struct Run {
     explicit Run(const TransitionSystem& of) : expander(of) {}
     Expander expander;
@@ -93,8 +94,21 @@ StateGraph::Reweighed StateGraph::reweigh(const TransitionSystem& system, const 
 }
 
 std::optional<StateId> StateGraph::goal() const {
+  if (system_->wide()) {
+    if (!goal_reached_) return std::nullopt;
+    return static_cast<StateId>(num_states() - 1);
+  }
   if (num_layers() != system_->num_steps() + 1) return std::nullopt;
   return layer_begin(num_layers() - 1);
+}
+
+PlanWalk StateGraph::steps_along(std::span<const StateId> path) const {
+  std::vector<std::uint64_t> states;
+  for (const StateId state : path) {
+    const SetView words = key(state);
+    states.insert(states.end(), words.begin(), words.end());
+  }
+  return Expander(*system_).steps_along(states);
 }
 
 double StateGraph::greatest_reward() const {

@@ -77,19 +77,29 @@ class StateGraph {
   [[nodiscard]] Stop stop() const { return stop_; }
   [[nodiscard]] std::uint64_t num_states() const { return layer_begin_.back(); }
   [[nodiscard]] std::uint64_t num_actions() const { return successors_.size(); }
-  /// One more than the number of connections, or fewer where every path ends before the goal.
+  /// One more than the number of connections, or fewer where every path ends before the goal. Where
+  /// steps are wide a step may pass over layers, and layers may be empty.
   [[nodiscard]] std::size_t num_layers() const { return layer_begin_.size() - 1; }
   /// First state of layer k; layer k ends where layer k + 1 begins.
   [[nodiscard]] StateId layer_begin(std::size_t layer) const { return layer_begin_[layer]; }
   [[nodiscard]] StateId layer_end(std::size_t layer) const { return layer_begin_[layer + 1]; }
   /// The open connections of `state`; valid as long as the graph.
   [[nodiscard]] SetView state(StateId state) const {
+    return {states_.data() + state * words_, open_words_};
+  }
+  /// All words of `state`, its context among them; valid as long as the graph.
+  [[nodiscard]] SetView key(StateId state) const {
     return {states_.data() + state * words_, words_};
   }
   /// The words of all states, one after another; valid as long as the graph, wherever it is moved.
   [[nodiscard]] std::span<const std::uint64_t> states() const { return states_.span(); }
-  /// The state in which no connection is open; empty if it is not reachable.
+  /// The state in which no connection is open, or, where a plan has a goal, the one that stands for
+  /// its end; empty if it is not reachable.
   [[nodiscard]] std::optional<StateId> goal() const;
+
+  /// What the steps of a path take, from state to state: `path` holds the states, the start first.
+  /// Of several actions between two states it is one that earns most.
+  [[nodiscard]] PlanWalk steps_along(std::span<const StateId> path) const;
 
   /// Actions of `state`: begin(state) <= id < end(state), ascending by connection.
   [[nodiscard]] ActionId begin(StateId state) const { return row_begin_[state]; }
@@ -111,10 +121,14 @@ class StateGraph {
  private:
   template <std::size_t>
   friend class StateGraphBuilder;
-  explicit StateGraph(const TransitionSystem& system) : system_(&system), words_(system.words()) {}
+  friend class WideGraphBuilder;
+  explicit StateGraph(const TransitionSystem& system)
+      : system_(&system), words_(system.words()), open_words_(system.open_words()) {}
 
   const TransitionSystem* system_;
   std::size_t words_;
+  std::size_t open_words_;
+  bool goal_reached_ = false;  ///< where steps are wide
   Stop stop_ = Stop::None;
   std::uint64_t peak_bytes_ = 0;
   std::vector<StateId> layer_begin_;

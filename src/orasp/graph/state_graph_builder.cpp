@@ -6,6 +6,7 @@
 #include "orasp/containers/state_table.h"
 #include "orasp/containers/subset_rank.h"
 #include "orasp/graph/state_graph.h"
+#include "orasp/graph/wide_graph_builder.h"
 #include "orasp/task/memory_limit.h"
 
 namespace orasp {
@@ -402,6 +403,7 @@ class StateGraphBuilder {
 };
 
 StateGraph StateGraph::build(const TransitionSystem& system, const Budget& budget) {
+  if (system.wide()) return WideGraphBuilder(system, budget).build();
   return system.words() == 1 ? StateGraphBuilder<1>(system, budget).build()
                              : StateGraphBuilder<0>(system, budget).build();
 }

@@ -76,7 +76,9 @@ UncertainGraph UncertainGraph::build(const TransitionSystem& system, const Budge
         }
       }
       graph.row_begin_[s] = graph.attempts_.size();
-      for (const auto& [connection, reward] : actions) {
+      for (const Action& action : actions) {
+        const ConnectionIndex connection = action.connection;
+        const double reward = action.reward;
         Attempt attempt{.reward = reward, .connection = connection, .done = 0, .failed = s};
         next = here;
         clear(connection);

@@ -59,6 +59,9 @@ std::string unknown_token(const mu::ParserBase& parser, const std::string& text,
     for (const auto& function : parser.GetFunDef()) known.push_back(function.first);
   } else {
     for (const FormulaVariable& variable : kFormulaVariables) known.push_back(variable.name);
+    for (const auto& variable : parser.GetVar()) {
+      if (!is_formula_variable(variable.first)) known.push_back(variable.first);
+    }
     for (const auto& constant : parser.GetConst()) known.push_back(constant.first);
   }
   return fmt::format("unknown {0} {1} at character {2}; known are {3}{4}",
@@ -98,7 +101,10 @@ std::string explained(const mu::ParserBase& parser, const std::string& text,
 
 class MuParserFormula final : public Formula {
  public:
-  MuParserFormula(const std::string& text, const std::map<std::string, double>& constants) {
+  MuParserFormula(const std::string& text, const std::map<std::string, double>& constants,
+                  const std::vector<std::string>& own)
+      : own_(own.size(), 0.0) {
+    for (std::size_t i = 0; i < own.size(); ++i) parser_.DefineVar(own[i], &own_[i]);
     for (const FormulaVariable& variable : kFormulaVariables) {
       parser_.DefineVar(std::string(variable.name), &(variables_.*variable.value));
     }
@@ -106,6 +112,11 @@ class MuParserFormula final : public Formula {
       if (parser_.GetFunDef().contains(name) || parser_.GetConst().contains(name)) {
         throw InputError(
             fmt::format("the constant {} has the name of a function or constant of every formula",
+                        detail::in_quotes(name)));
+      }
+      if (std::ranges::find(own, name) != own.end()) {
+        throw InputError(
+            fmt::format("the constant {} has the name of a number that parts or connections state",
                         detail::in_quotes(name)));
       }
       parser_.DefineConst(name, value);
@@ -125,6 +136,8 @@ class MuParserFormula final : public Formula {
 
   [[nodiscard]] double value(const FormulaVariables& variables) override {
     variables_ = variables;
+    std::ranges::copy(variables.own.first(std::min(own_.size(), variables.own.size())),
+                      own_.begin());
     try {
       return parser_.Eval();
     } catch (const mu::ParserError& error) {
@@ -135,21 +148,29 @@ class MuParserFormula final : public Formula {
 
  private:
   std::set<std::string, std::less<>> used_;
-  FormulaVariables variables_;  // the parser holds pointers into it
+  // The parser holds pointers into these two.
+  FormulaVariables variables_;
+  std::vector<double> own_;
   mu::Parser parser_;
 };
 
 }  // namespace
 
+bool is_formula_builtin(const std::string& name) {
+  static const mu::Parser parser;
+  return parser.GetFunDef().contains(name) || parser.GetConst().contains(name);
+}
+
 std::unique_ptr<Formula> compile_formula(const std::string& text,
-                                         const std::map<std::string, double>& constants) {
+                                         const std::map<std::string, double>& constants,
+                                         const std::vector<std::string>& own) {
   if (text.size() > kLongestFormula) {
     throw InputError(
         fmt::format("the formula has {} bytes; at most {} are read", text.size(), kLongestFormula));
   }
   refuse_assignments(text);
   try {
-    return std::make_unique<MuParserFormula>(text, constants);
+    return std::make_unique<MuParserFormula>(text, constants, own);
   } catch (const mu::ParserError& error) {
     throw InputError(error.GetMsg());
   }

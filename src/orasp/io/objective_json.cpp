@@ -45,13 +45,15 @@ std::map<std::size_t, double> read_pieces(JsonValue value, const Place& place) {
 }
 
 std::map<std::string, double> read_constants(JsonValue value, const Place& place) {
-  if (!value.is(JsonKind::Object)) fail_type(place, value, "an object of numbers by name");
-  std::map<std::string, double> constants;
-  value.for_each([&](JsonValue member) {
-    if (is_comment(member)) return;
-    constants[std::string(member.key())] = read_number(member, Place(place, member.key()));
-  });
-  return constants;
+  return read_by_name(value, place, "an object of numbers by name", read_number);
+}
+
+ChangeCost read_change(JsonValue value, const Place& place) {
+  constexpr auto kKeys = std::to_array<std::string_view>({"from", "to", "cost"});
+  const Members members(value, place, kKeys);
+  return {.from = members.read_required("from", read_string),
+          .to = members.read_required("to", read_string),
+          .cost = members.read_required("cost", read_number)};
 }
 
 Objective read_objective(JsonValue value, const Place& place, std::size_t sums_outside,
@@ -80,6 +82,15 @@ class KeyList : public ParameterVisitor {
     keys.push_back(key);
   }
   void name(std::string_view key, std::string& /*name*/) override { keys.push_back(key); }
+  void optional_name(std::string_view key, std::optional<std::string>& /*name*/) override {
+    keys.push_back(key);
+  }
+  void optional_point(std::string_view key, std::optional<Vector3>& /*value*/) override {
+    keys.push_back(key);
+  }
+  void changes(std::string_view key, std::vector<ChangeCost>& /*changes*/) override {
+    keys.push_back(key);
+  }
   void formula(std::string_view key, std::string& /*text*/,
                FormulaCompiler& /*compiler*/) override {
     keys.push_back(key);
@@ -107,7 +118,18 @@ class JsonReader : public ParameterVisitor {
     members_.read(key, constants, read_constants);
   }
   void name(std::string_view key, std::string& name) override {
+    name = members_.read_required(key, read_string);
+  }
+  void optional_name(std::string_view key, std::optional<std::string>& name) override {
     members_.read(key, name, read_string);
+  }
+  void optional_point(std::string_view key, std::optional<Vector3>& value) override {
+    members_.read(key, value, read_point<3>);
+  }
+  void changes(std::string_view key, std::vector<ChangeCost>& changes) override {
+    members_.read(key, changes, [](JsonValue list, const Place& place) {
+      return read_array(list, place, "an array of objects", read_change);
+    });
   }
   void formula(std::string_view key, std::string& text, FormulaCompiler& compiler) override {
     text = members_.read_required(key, read_string);
@@ -188,6 +210,26 @@ class JsonWriter : public ParameterVisitor {
     if (full_ || !by_name.empty()) put(key, std::move(by_name));
   }
   void name(std::string_view key, std::string& name) override { put(key, name); }
+  void optional_name(std::string_view key, std::optional<std::string>& name) override {
+    if (name) {
+      put(key, *name);
+    } else if (full_) {
+      put(key, nullptr);
+    }
+  }
+  void optional_point(std::string_view key, std::optional<Vector3>& value) override {
+    if (value) {
+      put(key, numbers(*value));
+    } else if (full_) {
+      put(key, nullptr);
+    }
+  }
+  void changes(std::string_view key, std::vector<ChangeCost>& changes) override {
+    ordered_json list = ordered_json::array();
+    for (const ChangeCost& change : changes)
+      list.push_back({{"from", change.from}, {"to", change.to}, {"cost", change.cost + 0.0}});
+    if (full_ || !list.empty()) put(key, std::move(list));
+  }
   void formula(std::string_view key, std::string& text, FormulaCompiler& /*compiler*/) override {
     put(key, text);
   }

@@ -65,16 +65,19 @@ std::string steps_text(const Problem& problem, const std::vector<Step>& steps,
     direction_names[d] = inline_text(problem.direction_name(d));
   }
   if (steps.empty()) return "[]";
+  const bool by_part = problem.spec().action == StepKind::Part;
   std::string text = "[";
   double total = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Step& step = steps[i];
     total += step.reward;
     text += i == 0 ? "\n" : ",\n";
-    text += fmt::format(R"(    {{"step": {}, "connection": {}, "reward": {}, "total": {}, )"
+    const std::string taken = by_part
+                                  ? R"("connections": )" + id_list(step.connections, connection_ids)
+                                  : R"("connection": )" + connection_ids[step.connection];
+    text += fmt::format(R"(    {{"step": {}, {}, "reward": {}, "total": {}, )"
                         R"("separates": {}, "pieces": )",
-                        i + 1, connection_ids[step.connection],
-                        inline_text(number_or_null(step.reward)),
+                        i + 1, taken, inline_text(number_or_null(step.reward)),
                         inline_text(number_or_null(total)), step.separates);
     if (step.separates) {
       text += "[" + id_list(step.a, part_ids) + ", " + id_list(step.b, part_ids) +
@@ -89,6 +92,18 @@ std::string steps_text(const Problem& problem, const std::vector<Step>& steps,
     text += "}";
   }
   return text + "\n  ]";
+}
+
+/// The connections in the order in which they are handled, where steps take several: a list of
+/// lists.
+std::string lists_text(const std::vector<PlanStep>& steps, bool backwards,
+                       const std::vector<std::string>& connection_ids) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (i > 0) text += ", ";
+    text += id_list(steps[backwards ? steps.size() - 1 - i : i].connections, connection_ids);
+  }
+  return text + "]";
 }
 
 std::string operations_text(const std::vector<Step>& steps, Direction direction,
@@ -192,9 +207,14 @@ std::string alternatives_text(const std::vector<Alternative>& plans, bool is_ass
   if (plans.empty()) return "[]";
   std::string text = "[";
   for (const Alternative& plan : plans) {
-    const std::string forward = id_list(plan.sequence, connection_ids);
+    const bool by_part = std::ranges::any_of(
+        plan.steps, [](const PlanStep& step) { return step.connections.size() > 1; });
+    const std::string forward = by_part ? lists_text(plan.steps, false, connection_ids)
+                                        : id_list(plan.sequence, connection_ids);
     const std::string backward =
-        id_list(std::vector(plan.sequence.rbegin(), plan.sequence.rend()), connection_ids);
+        by_part
+            ? lists_text(plan.steps, true, connection_ids)
+            : id_list(std::vector(plan.sequence.rbegin(), plan.sequence.rend()), connection_ids);
     text += text.size() > 1 ? ",\n" : "\n";
     text += fmt::format(R"(    {{"reward": {}, "disassembly": {}, "assembly": {}}})",
                         inline_text(number_or_null(plan.reward)), is_assembly ? backward : forward,
@@ -224,11 +244,7 @@ std::string options_text(const std::map<std::string, std::string>& options) {
   return text + "}";
 }
 
-std::vector<std::string> read_sequence(JsonValue list, std::string_view place) {
-  if (!list.is(JsonKind::Array)) {
-    throw InputError(
-        detail::at(place, "expected an array of connection ids, found " + list.description()));
-  }
+std::vector<std::string> read_ids(JsonValue list, const std::string& place) {
   std::vector<std::string> ids;
   list.for_each([&](JsonValue id) {
     if (!id.is(JsonKind::String)) {
@@ -238,6 +254,39 @@ std::vector<std::string> read_sequence(JsonValue list, std::string_view place) {
     ids.emplace_back(id.string());
   });
   return ids;
+}
+
+/// What the steps of a plan take: an id, or a list of them where steps take several.
+std::vector<std::vector<std::string>> read_steps(JsonValue list, std::string_view place) {
+  if (!list.is(JsonKind::Array)) {
+    throw InputError(
+        detail::at(place, "expected an array of connection ids, found " + list.description()));
+  }
+  std::vector<std::vector<std::string>> steps;
+  list.for_each([&](JsonValue step) {
+    const std::string here = fmt::format("{}[{}]", place, steps.size());
+    if (step.is(JsonKind::Array)) {
+      steps.push_back(read_ids(step, here));
+    } else if (step.is(JsonKind::String)) {
+      steps.push_back({std::string(step.string())});
+    } else {
+      throw InputError(here + ": expected a connection id, which is a string, found " +
+                       step.description());
+    }
+  });
+  return steps;
+}
+
+/// The steps of a plan file, taken apart.
+PlanFile plan_of(const std::vector<std::vector<std::string>>& steps) {
+  PlanFile plan;
+  for (const std::vector<std::string>& step : steps) {
+    plan.sequence.insert(plan.sequence.end(), step.begin(), step.end());
+    plan.sizes.push_back(step.size());
+  }
+  if (std::ranges::all_of(plan.sizes, [](std::size_t size) { return size == 1; }))
+    plan.sizes.clear();
+  return plan;
 }
 
 /// What the steps of a plan file state as the direction of each connection of `sequence`; empty if
@@ -251,10 +300,13 @@ std::vector<std::string> read_directions(JsonValue steps,
   steps.for_each([&](JsonValue step) {
     const std::string place = fmt::format("steps[{}]", number++);
     if (!step.is(JsonKind::Object)) return;
-    std::optional<JsonValue> connection;
+    std::vector<std::string> taken;
     std::optional<JsonValue> direction;
     step.for_each([&](JsonValue member) {
-      if (member.key() == "connection") connection = member;
+      if (member.key() == "connection" && member.is(JsonKind::String))
+        taken = {std::string(member.string())};
+      if (member.key() == "connections" && member.is(JsonKind::Array))
+        taken = read_ids(member, place + ".connections");
       if (member.key() == "direction") direction = member;
     });
     if (!direction) return;
@@ -262,14 +314,15 @@ std::vector<std::string> read_directions(JsonValue steps,
       throw InputError(fmt::format("{}.direction: expected the name of a direction, found {}",
                                    place, direction->description()));
     }
-    if (!connection || !connection->is(JsonKind::String))
-      throw InputError(place + ": it states a direction, but no connection");
+    if (taken.empty()) throw InputError(place + ": it states a direction, but no connection");
     if (directions.empty()) {
       directions.resize(sequence.size());
       for (std::size_t i = 0; i < sequence.size(); ++i) places.emplace(sequence[i], i);
     }
-    const auto found = places.find(connection->string());
-    if (found != places.end()) directions[found->second] = direction->string();
+    for (const std::string& id : taken) {
+      const auto found = places.find(id);
+      if (found != places.end()) directions[found->second] = direction->string();
+    }
   });
   return directions;
 }
@@ -300,44 +353,55 @@ PlanFile read_plan_object(JsonValue root, Direction direction) {
   if (!wanted && !other)
     throw InputError(R"(the key "disassembly" or "assembly" is missing, one of them is needed)");
 
-  PlanFile plan;
+  std::optional<std::vector<std::vector<std::string>>> reversed;
+  if (other) {
+    reversed = read_steps(*other, other_key);
+    std::ranges::reverse(*reversed);
+  }
+  const std::vector<std::vector<std::string>> taken =
+      wanted ? read_steps(*wanted, wanted_key) : *reversed;
+  if (reversed && taken != *reversed)
+    throw InputError("assembly: it is not the reverse of \"disassembly\"");
+  PlanFile plan = plan_of(taken);
   if (digest) {
     if (!digest->is(JsonKind::String)) {
       throw InputError("problem_digest: expected a string, found " + digest->description());
     }
     plan.problem_digest = digest->string();
   }
-  std::optional<std::vector<std::string>> reversed;
-  if (other) {
-    reversed = read_sequence(*other, other_key);
-    std::ranges::reverse(*reversed);
-  }
-  plan.sequence = wanted ? read_sequence(*wanted, wanted_key) : *reversed;
-  if (reversed && plan.sequence != *reversed) {
-    throw InputError("assembly: it is not the reverse of \"disassembly\"");
-  }
   if (steps) plan.directions = read_directions(*steps, plan.sequence);
   return plan;
 }
 
-/// One id a line.
-std::vector<std::string> read_lines(std::string_view text) {
+/// A step a line: an id, or several with tabs between them.
+PlanFile read_lines(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";
   if (const auto byte = detail::ill_formed_utf8(text)) {
     const auto line = std::ranges::count(text.substr(0, *byte), '\n') + 1;
     throw InputError(fmt::format("line {}: the byte 0x{:02x} is not valid UTF-8", line,
                                  static_cast<unsigned char>(text[*byte])));
   }
-  std::vector<std::string> ids;
+  const auto trimmed = [&](std::string_view part) {
+    part.remove_prefix(std::min(part.find_first_not_of(kBlank), part.size()));
+    return part.substr(0, part.find_last_not_of(kBlank) + 1);
+  };
+  std::vector<std::vector<std::string>> steps;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-    line = line.substr(0, line.find_last_not_of(kBlank) + 1);
-    if (!line.empty() && line.front() != '#') ids.emplace_back(line);
+    line = trimmed(line);
+    if (line.empty() || line.front() == '#') continue;
+    std::vector<std::string>& step = steps.emplace_back();
+    while (true) {
+      const std::size_t tab = line.find('\t');
+      if (const std::string_view id = trimmed(line.substr(0, tab)); !id.empty())
+        step.emplace_back(id);
+      if (tab == std::string_view::npos) break;
+      line.remove_prefix(tab + 1);
+    }
   }
-  return ids;
+  return plan_of(steps);
 }
 
 /// What of a plan file depends on how many robots there are.
@@ -345,6 +409,10 @@ struct PlanBody {
   double reward = -kInfinity;
   /// In the order of the problem's direction.
   std::vector<ConnectionIndex> sequence;
+  /// The same step by step, where steps take several.
+  std::vector<PlanStep> part_steps;
+  /// The text of `stays`; empty: the key is left out.
+  std::string stays;
   std::string steps = "[]";
   /// The text of `operations`; empty: the key is left out.
   std::string operations;
@@ -355,12 +423,11 @@ struct PlanBody {
 };
 
 /// The directions that the steps have, checked by themselves.
-void require_free_directions(const Task& task, const Result& result,
-                             const std::vector<Step>& steps) {
+void require_free_directions(const Task& task, const std::vector<Step>& steps) {
   if (task.problem.directions().empty()) return;
-  std::vector<std::optional<DirectionIndex>> directions;
-  for (const Step& step : steps) directions.push_back(step.direction);
-  const PlanCheck check = check_plan(task.problem, task.situation, result.sequence, directions);
+  std::vector<PlanStep> directed;
+  for (const Step& step : steps) directed.push_back({step.connections, step.direction});
+  const PlanCheck check = check_plan(task.problem, task.situation, directed);
   if (!check.legal)
     throw std::logic_error("a direction was chosen that is not free: " + check.fault);
 }
@@ -370,14 +437,17 @@ PlanBody body_of_one_robot(const Task& task, const Result& result,
   PlanBody body;
   body.sequence = result.sequence;
   body.operations = "[]";
-  const bool whole = task.whole();
+  const TransitionSystem system(task.problem, task.situation);
+  // What the order of single connections keeps legal is known where they are all there is to steps.
+  const bool whole = task.whole() && !system.wide();
   if (whole) body.order = "[]";
   if (!result.has_plan()) return body;
-  const TransitionSystem system(task.problem, task.situation);
-  const Evaluation evaluation = evaluate(system, std::span<const ConnectionIndex>(result.sequence));
+  const Evaluation evaluation = evaluate(system, result);
+  if (task.problem.spec().action == StepKind::Part) body.part_steps = result.steps;
+  if (task.problem.spec().goal) body.stays = id_list(evaluation.stays, connection_ids);
   // Where attempts may fail, the reward is an expectation, which no replay gives.
   body.reward = result.expectation ? result.reward : evaluation.reward;
-  require_free_directions(task, result, evaluation.steps);
+  require_free_directions(task, evaluation.steps);
   const std::vector<std::string> part_ids = quoted_ids(task.problem.parts());
   body.steps = steps_text(task.problem, evaluation.steps, part_ids, connection_ids);
   body.operations =
@@ -445,8 +515,14 @@ std::string plan_text(const Task& task, const Result& result,
     put("most_likely", most_likely_text(*result.expectation, connection_ids));
   }
   if (!body.fleet.empty()) put("fleet", body.fleet);
-  put("disassembly", is_assembly ? backward : forward);
-  put("assembly", is_assembly ? forward : backward);
+  if (problem.spec().action == StepKind::Part) {
+    put("disassembly", lists_text(body.part_steps, is_assembly, connection_ids));
+    put("assembly", lists_text(body.part_steps, !is_assembly, connection_ids));
+  } else {
+    put("disassembly", is_assembly ? backward : forward);
+    put("assembly", is_assembly ? forward : backward);
+  }
+  if (!body.stays.empty()) put("stays", body.stays);
   put("steps", body.steps);
   if (!body.operations.empty()) put("operations", body.operations);
   if (!body.order.empty()) put("order", body.order);
@@ -470,16 +546,32 @@ std::string plan_text(const Problem& problem, const Result& result,
   return plan_text(Task(problem), result, options, alternatives);
 }
 
+std::vector<PlanStep> plan_steps(const Problem& problem, const PlanFile& plan) {
+  std::vector<PlanStep> steps;
+  std::size_t next = 0;
+  const std::size_t count = plan.sizes.empty() ? plan.sequence.size() : plan.sizes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    PlanStep& step = steps.emplace_back();
+    const std::size_t size = plan.sizes.empty() ? 1 : plan.sizes[i];
+    for (std::size_t k = 0; k < size; ++k) {
+      const std::string place = fmt::format("step {}", i + 1);
+      if (k == 0 && !plan.directions.empty())
+        step.direction = problem.find_direction(plan.directions[next]);
+      step.connections.push_back(problem.find_connection(plan.sequence[next++], place));
+    }
+  }
+  return steps;
+}
+
 PlanFile parse_plan(std::string_view text, Direction direction) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) throw InputError("the file is empty");
-  if (text[first] != '{' && text[first] != '[')
-    return {.sequence = read_lines(text), .problem_digest = ""};
+  if (text[first] != '{' && text[first] != '[') return read_lines(text);
   const JsonDocument document = JsonDocument::parse(text);
   const JsonValue root = document.root();
-  if (root.is(JsonKind::Array)) return {.sequence = read_sequence(root, ""), .problem_digest = ""};
+  if (root.is(JsonKind::Array)) return plan_of(read_steps(root, ""));
   return read_plan_object(root, direction);
 }
 

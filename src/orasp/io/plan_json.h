@@ -30,16 +30,24 @@ namespace orasp {
 
 /// A plan as read: the ids in the order of the problem's direction.
 struct PlanFile {
-  std::vector<std::string> sequence;
+  std::vector<std::string> sequence{};
+  /// How many of them each step takes; empty: one each.
+  std::vector<std::size_t> sizes{};
   /// The direction that the file states for each step, "" where it states none; empty if it states
   /// none at all. They are found by the connections of `steps`.
   std::vector<std::string> directions{};
   std::string problem_digest;  ///< empty where the file is a bare list
 };
 
+/// What each step of a plan takes, by the numbers of connections, and the direction that it states.
+/// @throws InputError `step 3: no connection "x"; ...`.
+[[nodiscard]] std::vector<PlanStep> plan_steps(const Problem& problem, const PlanFile& plan);
+
 /// Reads a plan file, a JSON array of connection ids, or plain text with one id a line (empty lines
-/// and lines that begin with '#' are skipped). `direction` picks the list: "disassembly" or
-/// "assembly". A bare list is in the order of the problem's direction. @throws InputError.
+/// and lines that begin with '#' are skipped). Where steps take several connections a JSON array
+/// has a list for each step, and a text has their ids with tabs between them. `direction` picks the
+/// list: "disassembly" or "assembly". A bare list is in the order of the problem's direction.
+/// @throws InputError.
 [[nodiscard]] PlanFile parse_plan(std::string_view text, Direction direction);
 
 }  // namespace orasp

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -19,7 +21,9 @@
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/detail/objective_members.h"
 #include "orasp/io/digest.h"
+#include "orasp/io/formula_parser.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/objectives/objective_kind.h"
 
 namespace orasp {
 namespace {
@@ -34,7 +38,9 @@ using detail::Members;
 using detail::numbers;
 using detail::Place;
 using detail::read_array;
+using detail::read_by_name;
 using detail::read_count;
+using detail::read_flag;
 using detail::read_id;
 using detail::read_number;
 using detail::read_point;
@@ -54,14 +60,35 @@ std::vector<std::string> read_directions(JsonValue value, const Place& place) {
   return read_array(value, place, "an array of directions", read_string);
 }
 
+std::vector<std::string> read_part_ids(JsonValue value, const Place& place) {
+  return read_array(value, place, "an array of part ids", read_id);
+}
+
+/// Numbers of the user's own. That a name is free in formulas is known here, where they are parsed.
+std::map<std::string, double> read_own_numbers(JsonValue value, const Place& place) {
+  auto values = read_by_name(value, place, "an object of numbers by name", read_number);
+  for (const auto& [name, number] : values) {
+    for (const std::string& used : names_in_formulas(name)) {
+      if (is_formula_builtin(used)) {
+        fail(place, fmt::format("{} is a function or a constant of every formula; give the number "
+                                "another name",
+                                in_quotes(used)));
+      }
+    }
+  }
+  return values;
+}
+
 Part read_part(JsonValue value, const Place& place) {
-  constexpr auto kKeys = std::to_array<std::string_view>({"id", "name", "mass", "position"});
+  constexpr auto kKeys =
+      std::to_array<std::string_view>({"id", "name", "mass", "position", "numbers"});
   const Members members(value, place, kKeys);
   Part part;
   part.id = members.read_required("id", read_id);
   members.read("name", part.name, read_string);
   members.read("mass", part.mass, read_number);
   members.read("position", part.position, read_point<3>);
+  members.read("numbers", part.numbers, read_own_numbers);
   return part;
 }
 
@@ -89,7 +116,8 @@ OnFailure read_on_failure(JsonValue value, const Place& place) {
 
 Connection read_connection(JsonValue value, const Place& place) {
   constexpr auto kKeys =
-      std::to_array<std::string_view>({"id", "parts", "duration", "success", "axis", "on_failure"});
+      std::to_array<std::string_view>({"id", "parts", "duration", "success", "axis", "on_failure",
+                                       "numbers", "attributes", "position"});
   const Members members(value, place, kKeys);
   Connection connection;
   members.read("id", connection.id, read_id);
@@ -104,6 +132,11 @@ Connection read_connection(JsonValue value, const Place& place) {
   members.read("success", connection.success, read_number);
   members.read("axis", connection.axis, read_string);
   members.read("on_failure", connection.on_failure, read_on_failure);
+  members.read("numbers", connection.numbers, read_own_numbers);
+  members.read("attributes", connection.attributes, [](JsonValue all, const Place& all_place) {
+    return read_by_name(all, all_place, "an object of strings by name", read_string);
+  });
+  members.read("position", connection.position, read_point<3>);
   return connection;
 }
 
@@ -163,14 +196,48 @@ Blocking read_blocking(JsonValue value, const Place& place) {
 }
 
 Limits read_limits(JsonValue value, const Place& place) {
-  constexpr auto kKeys =
-      std::to_array<std::string_view>({"max_subassemblies", "max_moved_parts", "max_moved_mass"});
+  constexpr auto kKeys = std::to_array<std::string_view>(
+      {"max_subassemblies", "max_moved_parts", "max_moved_mass", "grounded"});
   const Members members(value, place, kKeys);
   Limits limits;
   members.read("max_subassemblies", limits.max_subassemblies, read_count);
   members.read("max_moved_parts", limits.max_moved_parts, read_count);
   members.read("max_moved_mass", limits.max_moved_mass, read_number);
+  members.read("grounded", limits.grounded, read_flag);
   return limits;
+}
+
+/// One of a few words. `thing`: what they say, "when a plan stops".
+template <class Value>
+Value read_word(JsonValue value, const Place& place, std::string_view thing,
+                std::initializer_list<std::pair<std::string_view, Value>> words) {
+  const std::string given = read_string(value, place);
+  std::string known;
+  for (const auto& [word, meaning] : words) {
+    if (word == given) return meaning;
+    known += (known.empty() ? "" : " or ") + in_quotes(word);
+  }
+  fail(place, fmt::format("{} is not {}; that is {}", in_quotes(given), thing, known));
+}
+
+Goal read_goal(JsonValue value, const Place& place) {
+  constexpr auto kKeys = std::to_array<std::string_view>({"free", "removed", "stop"});
+  const Members members(value, place, kKeys);
+  Goal goal;
+  members.read("free", goal.free, read_part_ids);
+  members.read("removed", goal.removed, read_ids);
+  if (!members.find("free") && !members.find("removed"))
+    fail(place, R"("free" or "removed" is missing, one of them is needed)");
+  members.read("stop", goal.stop, [](JsonValue word, const Place& word_place) {
+    return read_word<Goal::Stop>(word, word_place, "when a plan stops",
+                                 {{"reached", Goal::Stop::Reached}, {"best", Goal::Stop::Best}});
+  });
+  return goal;
+}
+
+StepKind read_action(JsonValue value, const Place& place) {
+  return read_word<StepKind>(value, place, "what a step takes",
+                             {{"connection", StepKind::Connection}, {"part", StepKind::Part}});
 }
 
 Fleet read_fleet(JsonValue value, const Place& place) {
@@ -196,7 +263,7 @@ Direction read_direction(JsonValue value, const Place& place) {
 ProblemSpec read_spec(JsonValue root) {
   constexpr auto kKeys = std::to_array<std::string_view>(
       {"format", "name", "note", "source", "parts", "connections", "precedence", "blocking",
-       "limits", "objective", "direction", "fleet"});
+       "limits", "base", "goal", "action", "objective", "direction", "fleet"});
   const Place top("");
   if (!root.is(JsonKind::Object)) fail_type(top, root, "a problem, which is an object");
   const Members members(root, top, kKeys);
@@ -220,6 +287,9 @@ ProblemSpec read_spec(JsonValue root) {
   });
   members.read("blocking", spec.blocking, read_blocking);
   members.read("limits", spec.limits, read_limits);
+  members.read("base", spec.base, read_part_ids);
+  members.read("goal", spec.goal, read_goal);
+  members.read("action", spec.action, read_action);
   if (members.find("fleet")) spec.objective = Objective::named("makespan");
   members.read("objective", spec.objective, [](JsonValue value, const Place& place) {
     return detail::read_objective(value, place);
@@ -232,17 +302,31 @@ ProblemSpec read_spec(JsonValue root) {
 // -------------------------------------------------------------------------------------------------
 // writing
 
+ordered_json own_numbers_json(const std::map<std::string, double>& own) {
+  ordered_json json = ordered_json::object();
+  for (const auto& [name, value] : own) json[name] = value + 0.0;
+  return json;
+}
+
 ordered_json part_json(const Part& part) {
   ordered_json json = {{"id", part.id}};
   if (!part.name.empty()) json["name"] = part.name;
   if (part.mass != Part{}.mass) json["mass"] = part.mass + 0.0;
   if (part.position) json["position"] = numbers(*part.position);
+  if (!part.numbers.empty()) json["numbers"] = own_numbers_json(part.numbers);
   return json;
 }
 
 ordered_json on_failure_json(const OnFailure& failure) {
   if (failure.abort) return {{"abort", *failure.abort + 0.0}};
   return {{"breaks", failure.breaks}};
+}
+
+/// What a connection states of the user's own, where it states it.
+void put_own(const Connection& connection, ordered_json& json) {
+  if (!connection.numbers.empty()) json["numbers"] = own_numbers_json(connection.numbers);
+  if (!connection.attributes.empty()) json["attributes"] = connection.attributes;
+  if (connection.position) json["position"] = numbers(*connection.position);
 }
 
 ordered_json connection_json(const Connection& connection) {
@@ -253,6 +337,7 @@ ordered_json connection_json(const Connection& connection) {
   if (connection.success != Connection{}.success) json["success"] = connection.success;
   if (!connection.axis.empty()) json["axis"] = connection.axis;
   if (!connection.on_failure.retries()) json["on_failure"] = on_failure_json(connection.on_failure);
+  put_own(connection, json);
   return json;
 }
 
@@ -285,6 +370,15 @@ ordered_json limits_json(const Limits& limits, Defaults defaults) {
   put("max_subassemblies", limits.max_subassemblies);
   put("max_moved_parts", limits.max_moved_parts);
   put("max_moved_mass", limits.max_moved_mass);
+  if (limits.grounded) json["grounded"] = true;
+  return json;
+}
+
+ordered_json goal_json(const Goal& goal) {
+  ordered_json json = ordered_json::object();
+  if (!goal.free.empty()) json["free"] = goal.free;
+  if (!goal.removed.empty() || goal.free.empty()) json["removed"] = goal.removed;
+  if (goal.stop == Goal::Stop::Best) json["stop"] = "best";
   return json;
 }
 
@@ -340,7 +434,8 @@ ordered_json canonical_precedence(const Problem& problem) {
   return json;
 }
 
-/// What blocks what after closing under antisymmetry, each pair once; null if nothing blocks.
+/// What blocks what after closing under antisymmetry, each pair once; null if nothing blocks and no
+/// objective looks at directions.
 ordered_json canonical_blocking(const Problem& problem) {
   // Whatever the order in the file: the axes, then the named pairs by id.
   std::vector<DirectionIndex> sorted = problem.directions();
@@ -356,7 +451,11 @@ ordered_json canonical_blocking(const Problem& problem) {
       blocked.push_back({part, blocker.by, std::move(names)});
     }
   }
-  if (blocked.empty()) return nullptr;
+  LookBack look_back;
+  kind_of(problem.objective()).add_look_back(problem.objective().parameters, look_back);
+  const bool looked_at =
+      std::ranges::find(look_back.attributes, kDirectionAttribute) != look_back.attributes.end();
+  if (blocked.empty() && !looked_at) return nullptr;
   ordered_json directions = ordered_json::array();
   for (const DirectionIndex d : sorted) {
     if (d < kDirectionNames.size()) {
@@ -376,8 +475,11 @@ ordered_json canonical_blocking(const Problem& problem) {
 std::string canonical_text(const Problem& problem) {
   ordered_json parts = ordered_json::array();
   for (const Part& part : problem.parts()) {
-    parts.push_back({part.id, part.mass + 0.0,
-                     part.position ? numbers(*part.position) : ordered_json(nullptr)});
+    ordered_json entry = {part.id, part.mass + 0.0,
+                          part.position ? numbers(*part.position) : ordered_json(nullptr)};
+    // As all that follows, only where it is stated, so that problems without it keep their digests.
+    if (!part.numbers.empty()) entry.push_back(own_numbers_json(part.numbers));
+    parts.push_back(std::move(entry));
   }
   ordered_json connections = ordered_json::array();
   for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
@@ -385,12 +487,14 @@ std::string canonical_text(const Problem& problem) {
     ordered_json entry = {
         connection.id, problem.ends(c), connection.duration + 0.0, connection.success,
         connection.axis.empty() ? ordered_json(nullptr) : ordered_json(connection.axis)};
-    // Only where it is stated, so that problems without it keep their digests.
     if (connection.on_failure.abort) {
       entry.push_back(on_failure_json(connection.on_failure));
     } else if (!problem.breaks(c).empty()) {
       entry.push_back(ordered_json{{"breaks", problem.breaks(c)}});
     }
+    ordered_json own = ordered_json::object();
+    put_own(connection, own);
+    if (!own.empty()) entry.push_back(std::move(own));
     connections.push_back(std::move(entry));
   }
   const auto& fleet = problem.spec().fleet;
@@ -404,6 +508,19 @@ std::string canonical_text(const Problem& problem) {
   json["objective"] = detail::objective_json(problem.objective(), Defaults::Written);
   json["direction"] = direction_name(problem.direction());
   json["fleet"] = fleet ? fleet_json(*fleet) : ordered_json(nullptr);
+  const ProblemSpec& spec = problem.spec();
+  if (!spec.base.empty()) {
+    ordered_json base = ordered_json::array();
+    for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+      if (problem.in_base(part)) base.push_back(part);
+    }
+    json["base"] = std::move(base);
+  }
+  if (spec.goal) {
+    json["goal"] = {{"removed", problem.goal()},
+                    {"stop", spec.goal->stop == Goal::Stop::Best ? "best" : "reached"}};
+  }
+  if (spec.action == StepKind::Part) json["action"] = "part";
   return json.dump();
 }
 
@@ -485,6 +602,9 @@ std::string problem_text(const Problem& problem) {
   }
   const ordered_json limits = limits_json(spec.limits, Defaults::LeftOut);
   if (!limits.empty()) put("limits", detail::inline_text(limits));
+  if (!spec.base.empty()) put("base", detail::inline_text(ordered_json(spec.base)));
+  if (spec.goal) put("goal", detail::inline_text(goal_json(*spec.goal)));
+  if (spec.action == StepKind::Part) put_text("action", "part");
   put("objective", detail::inline_text(detail::objective_json(spec.objective, Defaults::LeftOut)));
   if (spec.direction != Direction::Disassembly)
     put_text("direction", direction_name(spec.direction));

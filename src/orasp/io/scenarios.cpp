@@ -101,8 +101,8 @@ std::string summary(const Problem& problem) {
   const Limits& limits = problem.limits();
   if (!problem.precedence().empty()) text += ", precedence";
   if (!problem.directions().empty()) text += ", blocking";
-  if (limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass)
-    text += ", limits";
+  if (limits.any()) text += ", limits";
+  if (!problem.spec().base.empty()) text += ", base";
   if (problem.spec().fleet) text += fmt::format(", {} robots", problem.spec().fleet->robots);
   return text;
 }

@@ -14,6 +14,7 @@
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/task.h"
 
 namespace orasp {
 
@@ -599,6 +600,8 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
 }
 
 Result dqn(const TransitionSystem& system, const DqnOptions& options, const Budget& budget) {
+  if (auto result = detail::infeasible_at_once(system, "dqn")) return *result;
+  if (system.wide()) throw Refusal("dqn", std::string(kPlainSteps));
   Training training = train(system, options, budget);
   if (!training.warning.empty()) training.result.notes.push_back(training.warning);
   return std::move(training.result);

@@ -6,6 +6,7 @@
 #include "orasp/model/error.h"
 #include "orasp/planners/depth_first_plan.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/task.h"
 
 namespace orasp {
 
@@ -66,6 +67,7 @@ std::size_t PolicyEvaluator::choose(SetView open, std::span<const Action> action
 }
 
 std::optional<std::string> policy_obstacle(const TransitionSystem& system, const Policy& policy) {
+  if (system.wide()) return std::string(kPlainSteps);
   if (policy.num_connections() == system.num_connections()) return std::nullopt;
   return "was given a policy for " + std::to_string(policy.num_connections()) +
          " connections, and the problem has " + std::to_string(system.num_connections());

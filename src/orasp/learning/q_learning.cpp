@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "orasp/bounds/wide_bound.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/random.h"
@@ -174,6 +177,153 @@ class Learner {
   std::vector<Taken> path_;
 };
 
+/// The same where states and steps are wide: an entry knows the state that it leads to, and an
+/// episode ends where a plan does.
+class WideLearner {
+ public:
+  WideLearner(const TransitionSystem& system, const QLearningOptions& options, const Budget& budget,
+              Result& result)
+      : system_(system),
+        expander_(system),
+        bound_(system),
+        budget_(budget),
+        random_(options.seed),
+        result_(result),
+        words_(system.words()),
+        table_(words_) {}
+
+  void run() {
+    number_of(system_.start_state());
+    while (result_.stop == Stop::None) {
+      result_.stop = budget_.expired(bytes(), result_.statistics.expanded);
+      if (result_.stop != Stop::None || !episode()) break;
+      ++result_.statistics.sweeps;
+      if (result_.statistics.sweeps % 256 == 0) {
+        budget_.report({.phase = "episodes",
+                        .done = result_.statistics.sweeps,
+                        .states = table_.size(),
+                        .best = result_.reward});
+      }
+      if (detail::meets(result_.reward, value(0))) break;
+    }
+    result_.statistics.states = table_.size();
+    result_.statistics.actions = entries_.size();
+    result_.statistics.peak_bytes = bytes();
+    const double most = value(0);
+    if (result_.has_plan()) {
+      detail::judge_by(std::isfinite(most) ? std::optional(most) : std::nullopt, result_);
+    } else if (most == -kInfinity && result_.stop == Stop::None) {
+      result_.status = Status::Infeasible;
+    } else if (std::isfinite(most)) {
+      result_.bound = most;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kNotExpanded = std::numeric_limits<std::size_t>::max();
+  struct Entry {
+    double reward;
+    double value;  ///< Q, never below the truth
+  };
+  struct Row {
+    std::size_t first = kNotExpanded;
+    std::size_t size = 0;
+  };
+
+  [[nodiscard]] std::uint64_t bytes() const {
+    return table_.bytes() + rows_.bytes() + entries_.bytes() + successors_.bytes();
+  }
+  std::uint32_t number_of(SetView state) {
+    const auto [number, is_new] = table_.insert(state.data());
+    if (is_new) rows_.push_back({});
+    return number;
+  }
+  [[nodiscard]] SetView key(std::uint32_t state) const { return {table_.key(state), words_}; }
+  /// The entries of a state, whose actions are worked out when it is met first.
+  [[nodiscard]] std::span<Entry> entries_of(std::uint32_t state) {
+    if (rows_[state].first == kNotExpanded) expand(state);
+    return entries_.span().subspan(rows_[state].first, rows_[state].size);
+  }
+  void expand(std::uint32_t state) {
+    ++result_.statistics.expanded;
+    const std::vector<std::uint64_t> here(key(state).begin(), key(state).end());
+    std::vector<std::uint64_t> next(words_);
+    const auto legal = expander_.legal_actions(here);
+    rows_[state] = {entries_.size(), legal.size()};
+    for (const Action& action : legal) {
+      expander_.successor(here, action, next);
+      const double rest = system_.ends(next) ? 0 : bound_(next);
+      entries_.push_back({action.reward, action.reward + rest});
+      for (const std::uint64_t word : next) successors_.push_back(word);
+    }
+  }
+  [[nodiscard]] double value(std::uint32_t state) {
+    if (system_.ends(key(state))) return 0;
+    double best = -kInfinity;
+    for (const Entry& entry : entries_of(state)) best = std::max(best, entry.value);
+    return best;
+  }
+  /// The action with the greatest value; each of several is as likely.
+  std::size_t choose(std::uint32_t state) {
+    const std::span<const Entry> entries = entries_of(state);
+    std::size_t chosen = 0;
+    std::uint64_t equal = 0;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      if (equal == 0 || entries[i].value > entries[chosen].value) {
+        chosen = i;
+        equal = 1;
+      } else if (entries[i].value == entries[chosen].value && random_.below(++equal) == 0) {
+        chosen = i;
+      }
+    }
+    return chosen;
+  }
+
+  /// One episode, and what it teaches. False where nothing promises a plan.
+  bool episode() {
+    std::uint32_t state = 0;
+    std::vector<std::pair<std::uint32_t, std::size_t>> path;
+    std::vector<std::uint64_t> states(key(0).begin(), key(0).end());
+    double reward = 0;
+    while (!system_.ends(key(state)) && value(state) > -kInfinity) {
+      const std::size_t chosen = choose(state);
+      path.emplace_back(state, chosen);
+      ++result_.statistics.generated;
+      reward += entries_of(state)[chosen].reward;
+      const std::size_t entry = rows_[state].first + chosen;
+      const std::vector<std::uint64_t> next(successors_.data() + entry * words_,
+                                            successors_.data() + (entry + 1) * words_);
+      states.insert(states.end(), next.begin(), next.end());
+      state = number_of(next);
+    }
+    const bool arrived = system_.ends(key(state));
+    if (path.empty() && !arrived) return false;
+    double rest = value(state);
+    for (std::size_t t = path.size(); t-- > 0;) {
+      Entry& entry = entries_of(path[t].first)[path[t].second];
+      entry.value = std::min(entry.value, entry.reward + rest);
+      rest = value(path[t].first);
+    }
+    if (arrived && (!result_.has_plan() || reward > result_.reward)) {
+      detail::take_walk(expander_.steps_along(states), result_);
+      result_.status = Status::Feasible;
+    }
+    return true;
+  }
+
+  const TransitionSystem& system_;
+  Expander expander_;
+  WideBound bound_;
+  const Budget& budget_;
+  SplitMix64 random_;
+  Result& result_;
+  std::size_t words_;
+  detail::StateTable<0> table_;
+  detail::GrowingArray<Row> rows_;
+  detail::GrowingArray<Entry> entries_;
+  detail::GrowingArray<std::uint64_t> successors_;  ///< by entry, the words of the state after it
+};
+
 }  // namespace
 
 Result q_learning(const TransitionSystem& system, const QLearningOptions& options,
@@ -187,8 +337,12 @@ Result q_learning(const TransitionSystem& system, const QLearningOptions& option
     result.reward = 0;
     result.bound = 0;
   } else {
-    const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
-    Learner(system, options, budget, *bound, result).run();
+    if (system.wide()) {
+      WideLearner(system, options, budget, result).run();
+    } else {
+      const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
+      Learner(system, options, budget, *bound, result).run();
+    }
     if (result.stop != Stop::None && !result.has_plan()) {
       const std::optional<double> most = result.bound;
       result =

@@ -716,6 +716,9 @@ std::optional<std::string> mip_obstacle(const TransitionSystem& system) {
   if (system.ordered())
     return "plans where every open connection may be next, and here some are late or cannot be "
            "next";
+  if (system.wide())
+    return "knows neither goals nor costs between steps nor steps that take parts off";
+  if (!problem.base().empty()) return "knows no base: of two pieces the smaller one moves";
   for (const Leaf& leaf : leaves_of(problem.objective())) {
     const Problem alone = problem.with_objective(leaf.objective);
     const TransitionSystem rules(alone);

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace orasp {
 
@@ -24,6 +28,9 @@ struct FormulaVariables {
   double duration = 0;       ///< s, of the connection
   double index = 0;          ///< the connection's position in the file, from 0
   double distance = 0;       ///< m, centroid of the moved piece to the depot; 0 without positions
+  double elapsed = 0;        ///< s, the durations of all connections handled before this step
+  /// The user's own numbers, in the order of the names with which the formula was compiled.
+  std::span<const double> own{};
 };
 
 /// A variable's name in a formula and where its value stands.
@@ -33,7 +40,7 @@ struct FormulaVariable {
 };
 
 /// All variables, in the order of the documentation.
-inline constexpr std::array<FormulaVariable, 12> kFormulaVariables = {{
+inline constexpr std::array<FormulaVariable, 13> kFormulaVariables = {{
     {"before", &FormulaVariables::before},
     {"after", &FormulaVariables::after},
     {"separates", &FormulaVariables::separates},
@@ -46,7 +53,34 @@ inline constexpr std::array<FormulaVariable, 12> kFormulaVariables = {{
     {"duration", &FormulaVariables::duration},
     {"index", &FormulaVariables::index},
     {"distance", &FormulaVariables::distance},
+    {"elapsed", &FormulaVariables::elapsed},
 }};
+
+[[nodiscard]] inline bool is_formula_variable(std::string_view name) {
+  return std::ranges::any_of(kFormulaVariables,
+                             [&](const FormulaVariable& v) { return v.name == name; });
+}
+
+/// How the sentence of a FormulaCompiler begins where a formula names what it does not know.
+inline constexpr std::string_view kUnknownName = "unknown name ";
+
+inline constexpr std::size_t kLongestFormulaName = 64;
+
+/// Whether a name may stand in formulas: letters, digits and _, not a digit first.
+[[nodiscard]] constexpr bool is_formula_name(std::string_view name) {
+  const auto letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  return !name.empty() && name.size() <= kLongestFormulaName && letter(name[0]) &&
+         std::ranges::all_of(name, [&](char c) { return letter(c) || digit(c); });
+}
+
+/// The names under which a number of the user's own stands in formulas: the connection's, and the
+/// sums over the parts of the moved and of the kept piece.
+[[nodiscard]] inline std::array<std::string, 3> names_in_formulas(const std::string& number) {
+  return {number, "moved_" + number, "kept_" + number};
+}
 
 /// A compiled formula. Not shareable between threads: each thread compiles its own through
 /// FormulaCompiler.
@@ -64,10 +98,11 @@ class Formula {
   }
 };
 
-/// Compiles a formula text with named constants; throws InputError that names the bad token and its
-/// place. The model knows no parser (it uses the standard library only); io/formula_parser.h
-/// provides this one.
+/// Compiles a formula text with named constants and the names of further variables
+/// (FormulaVariables::own); throws InputError that names the bad token and its place. The model
+/// knows no parser (it uses the standard library only); io/formula_parser.h provides this one.
 using FormulaCompiler = std::function<std::unique_ptr<Formula>(
-    const std::string& text, const std::map<std::string, double>& constants)>;
+    const std::string& text, const std::map<std::string, double>& constants,
+    const std::vector<std::string>& own)>;
 
 }  // namespace orasp

@@ -98,11 +98,12 @@ class Peeling {
     ConnectionIndex ends_at = 0;  ///< what the last link waits for
     bool is_cycle = false;
   };
-  /// Follows who waits for whom, from the first connection that is left.
-  [[nodiscard]] Chain chain() const {
+  [[nodiscard]] bool is_left(ConnectionIndex c) const { return stays_[c] && !last_.contains(c); }
+
+  /// Follows who waits for whom, from the first connection that is left, not before `c`.
+  [[nodiscard]] Chain chain(ConnectionIndex c = 0) const {
     std::vector<std::size_t> met(stays_.size(), kUnlimited);
     Chain chain;
-    ConnectionIndex c = 0;
     while (!is_left(c)) ++c;
     while (met[c] == kUnlimited && is_left(c)) {
       met[c] = chain.links.size();
@@ -117,7 +118,6 @@ class Peeling {
   }
 
  private:
-  [[nodiscard]] bool is_left(ConnectionIndex c) const { return stays_[c] && !last_.contains(c); }
   /// A connection that `c` waits for and the entry that says so.
   [[nodiscard]] std::optional<Link> waits_for(ConnectionIndex c) const {
     for (const PrecedenceClause* clause : clauses_[c]) {
@@ -185,6 +185,22 @@ Violation cycle_of(const Problem& problem, const Peeling::Chain& chain, Peeling:
 
 }  // namespace
 
+// The first subassembly without a base part, if there is one.
+std::optional<Violation> TransitionSystem::ungrounded(SetView present) const {
+  std::optional<Violation> found;
+  rules_->graph.for_each_piece(present, [&](std::span<const PartIndex> piece) {
+    const auto is_base = [this](PartIndex part) { return problem_.in_base(part); };
+    if (found || piece.size() < 2 || std::ranges::any_of(piece, is_base)) return;
+    found = {Constraint::Grounded,
+             "limits.grounded",
+             std::string(rules_->whole ? "the whole product has" : "the product as it stands has") +
+                 " a subassembly without a base part, with " +
+                 detail::in_quotes(problem_.part_id(piece.front())) + "; each must hold one",
+             {}};
+  });
+  return found;
+}
+
 std::optional<Violation> TransitionSystem::infeasibility() const {
   const Rules& rules = *rules_;
   // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and
@@ -200,6 +216,37 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
                          std::to_string(start_pieces) + " subassemblies; at most " +
                          std::to_string(rules.max_subassemblies) + " are allowed",
                      {}};
+  }
+  if (rules.grounded && num_steps() > 0) {
+    if (auto found = ungrounded(first.view())) return found;
+    // The state from which an assembly begins.
+    if (rules.assembly) {
+      if (auto found = ungrounded(last.view())) return found;
+    }
+  }
+  if (rules.has_goal) {
+    for (const ConnectionIndex c : problem_.goal()) {
+      if (situation_.open.contains(c) && situation_.inaccessible.contains(c))
+        return Violation{Constraint::Inaccessible,
+                         "goal",
+                         detail::in_quotes(problem_.connection_id(c)) +
+                             " is inaccessible, and the goal asks that it is removed",
+                         {}};
+    }
+  }
+  // Several connections may go in one step, each at the same time as what it waits for.
+  if (rules.by_part) return std::nullopt;
+  if (rules.has_goal) {
+    Peeling peeling(Peeling::Kind::Removing, problem_, first, last);
+    peeling.remove();
+    for (const ConnectionIndex c : problem_.goal()) {
+      if (!peeling.is_left(c)) continue;
+      const Peeling::Chain chain = peeling.chain(c);
+      if (chain.is_cycle) return cycle_of(problem_, chain, Peeling::Kind::Removing);
+      return waits_in_vain(chain.links.back().first, chain.ends_at, chain.links.back().second,
+                           false);
+    }
+    return std::nullopt;
   }
   const auto reason = [&](Peeling::Kind kind) -> std::optional<Violation> {
     Peeling peeling(kind, problem_, first, last);

@@ -71,7 +71,15 @@ class ParameterCheck : public ParameterVisitor {
       check(objective, term_place, sums_outside_ + 1);
     }
   }
+  void optional_point(std::string_view key, std::optional<Vector3>& value) override {
+    if (value) point(key, *value);
+  }
+  void changes(std::string_view key, std::vector<ChangeCost>& changes) override {
+    for (std::size_t i = 0; i < changes.size(); ++i)
+      require_finite(changes[i].cost, place_of(key) + "[" + std::to_string(i) + "].cost");
+  }
   // What these may hold is seen only from all parameters together (ObjectiveKind::check).
+  void optional_name(std::string_view /*key*/, std::optional<std::string>& /*name*/) override {}
   void constants(std::string_view /*key*/, std::map<std::string, double>& /*constants*/) override {}
   void name(std::string_view /*key*/, std::string& /*name*/) override {}
   void formula(std::string_view /*key*/, std::string& /*text*/,

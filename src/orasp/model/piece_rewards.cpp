@@ -31,9 +31,17 @@ std::optional<double> Expander::cut_gain(std::span<const PartIndex> a, std::span
 }
 
 double Expander::greatest_gain(std::size_t moved, std::size_t kept) {
+  const std::size_t base_parts = system_.problem().spec().base.size();
   double sum = 0;
   for (const auto& addend : scratch_->terms) {
-    if (addend.weight != 0) sum += addend.term->greatest_gain(addend.weight, moved, kept);
+    if (addend.weight == 0) continue;
+    double most = addend.term->greatest_gain(addend.weight, moved, kept);
+    // The larger side moves where the smaller one is fixed, and neither where both are.
+    if (base_parts > 0)
+      most = std::max(most, addend.term->greatest_gain(addend.weight, kept, moved));
+    if (base_parts > 1)
+      most = std::max(most, addend.term->greatest_gain_unmoved(addend.weight, moved, kept));
+    sum += most;
   }
   return sum;
 }

@@ -14,8 +14,38 @@ using detail::number_text;
 using detail::PlanDirectionFault;
 using detail::PlanFault;
 
-/// One sentence about a fault of a plan with so many steps.
-std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t steps) {
+std::string sentence(const Problem& problem, const PlanDirectionFault& fault) {
+  return "step " + std::to_string(fault.step) +
+         (problem.direction() == Direction::Assembly ? " makes " : " removes ") +
+         in_quotes(problem.connection_id(fault.connection)) + " and states the direction " +
+         problem.direction_name(fault.direction) + ", in which " +
+         in_quotes(problem.part_id(fault.by)) + " is in the way of " +
+         in_quotes(problem.part_id(fault.part));
+}
+
+PlanCheck check_of(const Problem& problem, const detail::PlanReplay& replay, std::size_t steps) {
+  PlanCheck check;
+  check.legal = replay.faults.empty() && replay.direction_faults.empty();
+  check.reward = replay.reward;
+  check.tolerance = replay.tolerance;
+  if (check.legal) return check;
+  const bool rule_first = replay.direction_faults.empty() ||
+                          (!replay.faults.empty() &&
+                           replay.faults.front().step <= replay.direction_faults.front().step);
+  if (rule_first) {
+    check.step = replay.faults.front().step;
+    check.fault = detail::fault_sentence(problem, replay.faults.front(), steps);
+  } else {
+    check.step = replay.direction_faults.front().step;
+    check.fault = sentence(problem, replay.direction_faults.front());
+  }
+  return check;
+}
+
+}  // namespace
+
+std::string detail::fault_sentence(const Problem& problem, const PlanFault& fault,
+                                   std::size_t steps) {
   const bool assembly = problem.direction() == Direction::Assembly;
   const Limits& limits = problem.limits();
   const auto subassemblies = [&] {
@@ -26,6 +56,10 @@ std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t
   if (fault.step == 0 && fault.constraint == Constraint::MaxSubassemblies)
     return (assembly ? "the finished product is " : "the product at the start is ") +
            subassemblies();
+  if (fault.step == 0 && fault.constraint == Constraint::Grounded)
+    return std::string(assembly ? "where the work begins, " : "at the start, ") +
+           in_quotes(problem.part_id(fault.part)) +
+           " is in a subassembly without a base part, against limits.grounded";
   const std::string step = "step " + std::to_string(fault.step);
   if (fault.connection >= problem.num_connections()) {
     return step + " handles connection number " + std::to_string(fault.connection) +
@@ -63,6 +97,14 @@ std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t
       return cut + "moves " + number_text(fault.mass) +
              " kg; limits.max_moved_mass allows at most " +
              number_text(limits.max_moved_mass.value_or(0)) + " kg";
+    case Constraint::Grounded:
+      return cut + (assembly ? "makes" : "leaves") +
+             " a subassembly without a base part, against limits.grounded";
+    case Constraint::Goal: return does + ", after the goal was reached, at which the plan ends";
+    case Constraint::NotOneStep:
+      return step +
+             " takes connections that are not all of those between some parts and the rest "
+             "of a piece, against \"action\": \"part\"";
     case Constraint::Blocking: return does + ", but blocking leaves no direction free for it";
     case Constraint::NotOpen:
       return does + (assembly ? ", which was made before" : ", which was removed before");
@@ -75,37 +117,16 @@ std::string sentence(const Problem& problem, const PlanFault& fault, std::size_t
   return does;
 }
 
-std::string sentence(const Problem& problem, const PlanDirectionFault& fault) {
-  return "step " + std::to_string(fault.step) +
-         (problem.direction() == Direction::Assembly ? " makes " : " removes ") +
-         in_quotes(problem.connection_id(fault.connection)) + " and states the direction " +
-         problem.direction_name(fault.direction) + ", in which " +
-         in_quotes(problem.part_id(fault.by)) + " is in the way of " +
-         in_quotes(problem.part_id(fault.part));
-}
-
-}  // namespace
-
 PlanCheck check_plan(const Problem& problem, const Situation& situation,
                      std::span<const ConnectionIndex> sequence,
                      std::span<const std::optional<DirectionIndex>> directions) {
-  const detail::PlanReplay replay = detail::replay(problem, situation, sequence, false, directions);
-  PlanCheck check;
-  check.legal = replay.faults.empty() && replay.direction_faults.empty();
-  check.reward = replay.reward;
-  check.tolerance = replay.tolerance;
-  if (check.legal) return check;
-  const bool rule_first = replay.direction_faults.empty() ||
-                          (!replay.faults.empty() &&
-                           replay.faults.front().step <= replay.direction_faults.front().step);
-  if (rule_first) {
-    check.step = replay.faults.front().step;
-    check.fault = sentence(problem, replay.faults.front(), sequence.size());
-  } else {
-    check.step = replay.direction_faults.front().step;
-    check.fault = sentence(problem, replay.direction_faults.front());
-  }
-  return check;
+  return check_of(problem, detail::replay(problem, situation, sequence, false, directions),
+                  sequence.size());
+}
+
+PlanCheck check_plan(const Problem& problem, const Situation& situation,
+                     std::span<const PlanStep> steps) {
+  return check_of(problem, detail::replay(problem, situation, steps, false), steps.size());
 }
 
 bool same_reward(double claimed, const PlanCheck& check) {

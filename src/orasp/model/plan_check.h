@@ -7,6 +7,7 @@
 
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
+#include "orasp/model/transition_system.h"
 
 namespace orasp {
 
@@ -53,6 +54,16 @@ struct PlanCheck {
 [[nodiscard]] PlanCheck check_plan(const Problem& problem, const Situation& situation,
                                    std::span<const ConnectionIndex> sequence,
                                    std::span<const std::optional<DirectionIndex>> directions = {});
+/// The same for a plan where there is more to steps (TransitionSystem::wide).
+[[nodiscard]] PlanCheck check_plan(const Problem& problem, const Situation& situation,
+                                   std::span<const PlanStep> steps);
+
+namespace detail {
+struct PlanFault;
+/// One sentence about a fault of a plan with so many steps.
+[[nodiscard]] std::string fault_sentence(const Problem& problem, const PlanFault& fault,
+                                         std::size_t steps);
+}  // namespace detail
 
 /// Whether `claimed` is the reward that `check` found, within its tolerance. Nothing but NaN is the
 /// same as NaN.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/formula.h"
 #include "orasp/model/objectives/objective_kind.h"
 
 namespace orasp {
@@ -38,6 +39,41 @@ void require_id(const std::string& id, const std::string& place) {
 
 void require_finite(double number, const std::string& place) {
   if (!std::isfinite(number)) fail(place, number_text(number) + " is not a finite number");
+}
+
+void require_finite(const Vector3& point, const std::string& place) {
+  for (std::size_t axis = 0; axis < point.size(); ++axis)
+    require_finite(point[axis], element(place, axis));
+}
+
+/// Numbers of the user's own stand in formulas by their names, and as their sums over a piece.
+void require_numbers(const std::map<std::string, double>& numbers, const std::string& place) {
+  for (const auto& [name, value] : numbers) {
+    if (!is_formula_name(name)) {
+      fail(place, in_quotes(name) + " is not a name; names are up to " +
+                      std::to_string(kLongestFormulaName) +
+                      " letters, digits and _, not a digit first");
+    }
+    for (const std::string& used : names_in_formulas(name)) {
+      if (is_formula_variable(used))
+        fail(place, in_quotes(used) + " is a variable of every formula; give the number " +
+                        in_quotes(name) + " another name");
+    }
+    require_finite(value, place + "." + name);
+  }
+}
+
+void require_attributes(const std::map<std::string, std::string>& attributes,
+                        const std::string& place) {
+  for (const auto& [name, value] : attributes) {
+    if (name.empty()) fail(place, "the name of an attribute must not be empty");
+    require_utf8(name, place);
+    if (name == kDirectionAttribute)
+      fail(place + "." + name,
+           "the direction is the way in which a piece leaves, by \"blocking\", and is not stated; "
+           "give the attribute another name");
+    require_utf8(value, place + "." + name);
+  }
 }
 
 void require_not_negative(double number, const std::string& place) {
@@ -86,10 +122,37 @@ Problem::Problem(ProblemSpec spec) : spec_(std::move(spec)) {
   index_breaks();
   index_precedence();
   index_blocking();
+  index_base();
+  index_goal();
   check_limits();
+  check_action();
   check_objective(spec_.objective, "objective");
-  kind_of(spec_.objective).check_parts(spec_.objective.parameters, spec_.parts, "objective");
+  kind_of(spec_.objective).check_problem(spec_.objective.parameters, spec_, "objective");
   check_fleet();
+  check_numbers();
+}
+
+// Each name in a formula has one meaning.
+void Problem::check_numbers() const {
+  std::map<std::string, std::string> places;  // of the numbers, by their names
+  const auto note = [&](const std::map<std::string, double>& numbers, const std::string& place) {
+    for (const auto& number : numbers) places.emplace(number.first, place + ".numbers");
+  };
+  for (std::size_t i = 0; i < spec_.parts.size(); ++i) {
+    if (!spec_.parts[i].numbers.empty()) note(spec_.parts[i].numbers, element("parts", i));
+  }
+  for (std::size_t i = 0; i < spec_.connections.size(); ++i) {
+    if (!spec_.connections[i].numbers.empty())
+      note(spec_.connections[i].numbers, element("connections", i));
+  }
+  for (const auto& [name, place] : places) {
+    for (const char* const side : {"moved_", "kept_"}) {
+      const auto other = places.find(side + name);
+      if (other == places.end()) continue;
+      fail(other->second, in_quotes(other->first) + " is what formulas call a sum of " +
+                              in_quotes(name) + "; give one of the two another name");
+    }
+  }
 }
 
 void Problem::index_parts() {
@@ -105,11 +168,8 @@ void Problem::index_parts() {
            in_quotes(part.id) + " is the id of " + element("parts", entry->second) + " too");
     require_utf8(part.name, place + ".name");
     require_not_negative(part.mass, place + ".mass");
-    if (part.position) {
-      for (std::size_t axis = 0; axis < part.position->size(); ++axis) {
-        require_finite((*part.position)[axis], element(place + ".position", axis));
-      }
-    }
+    if (part.position) require_finite(*part.position, place + ".position");
+    require_numbers(part.numbers, place + ".numbers");
   }
 }
 
@@ -140,6 +200,9 @@ void Problem::index_connections() {
       fail(place + ".id", in_quotes(connection.id) + " is the id of " + other + " too");
     }
     require_not_negative(connection.duration, place + ".duration");
+    require_numbers(connection.numbers, place + ".numbers");
+    require_attributes(connection.attributes, place + ".attributes");
+    if (connection.position) require_finite(*connection.position, place + ".position");
     if (!(connection.success > 0 && connection.success <= 1)) {
       fail(place + ".success",
            number_text(connection.success) +
@@ -210,9 +273,58 @@ void Problem::index_precedence() {
   }
 }
 
+void Problem::index_base() {
+  if (spec_.base.empty()) return;
+  base_.assign(spec_.parts.size(), false);
+  for (std::size_t i = 0; i < spec_.base.size(); ++i) {
+    const PartIndex part = find_part(spec_.base[i], element("base", i));
+    if (base_[part]) fail(element("base", i), in_quotes(spec_.base[i]) + " is listed twice");
+    base_[part] = true;
+  }
+}
+
+void Problem::index_goal() {
+  if (!spec_.goal) return;
+  const Goal& goal = *spec_.goal;
+  if (spec_.direction == Direction::Assembly)
+    fail("goal", "a goal says what is to come off, in disassembly; an assembly makes everything");
+  std::vector<bool> free(spec_.parts.size(), false);
+  for (std::size_t i = 0; i < goal.free.size(); ++i) {
+    const PartIndex part = find_part(goal.free[i], element("goal.free", i));
+    if (free[part]) fail(element("goal.free", i), in_quotes(goal.free[i]) + " is listed twice");
+    free[part] = true;
+  }
+  for (std::size_t i = 0; i < goal.removed.size(); ++i) {
+    const ConnectionIndex c = find_connection(goal.removed[i], element("goal.removed", i));
+    if (std::ranges::find(goal_, c) != goal_.end())
+      fail(element("goal.removed", i), in_quotes(goal.removed[i]) + " is listed twice");
+    goal_.push_back(c);
+  }
+  for (ConnectionIndex c = 0; c < spec_.connections.size(); ++c) {
+    if (free[ends_[c][0]] || free[ends_[c][1]]) goal_.push_back(c);
+  }
+  sort_and_merge(goal_);
+}
+
+void Problem::check_action() const {
+  if (spec_.action == StepKind::Connection) return;
+  for (std::size_t c = 0; c < ends_.size(); ++c) {
+    if (ends_[c][0] == ends_[c][1])
+      fail(element("connections", c),
+           "it joins part " + in_quotes(spec_.connections[c].parts[0]) +
+               " to itself, and with \"action\": \"part\" no step would ever handle it");
+  }
+  if (const auto uncertain = first_uncertain())
+    fail(element("connections", *uncertain) + ".success",
+         "attempts may fail at single connections only; with \"action\": \"part\" a step takes "
+         "several");
+}
+
 void Problem::check_limits() const {
   if (spec_.limits.max_moved_mass)
     require_not_negative(*spec_.limits.max_moved_mass, "limits.max_moved_mass");
+  if (spec_.limits.grounded && spec_.base.empty())
+    fail("limits.grounded", "nothing can be grounded without a \"base\"");
 }
 
 void Problem::check_fleet() const {
@@ -238,6 +350,15 @@ void Problem::check_fleet() const {
            "a fleet of robots takes a product apart, and its precedence is stated that way, with "
            "after, after_any or made_after");
   }
+  const auto refuse = [](bool stated, const std::string& key) {
+    if (stated)
+      fail(key,
+           "a fleet of robots takes the whole product apart, one connection a robot and step; " +
+               in_quotes(key) + " would mean nothing, leave it out");
+  };
+  refuse(!spec_.base.empty(), "base");
+  refuse(spec_.goal.has_value(), "goal");
+  refuse(spec_.action != StepKind::Connection, "action");
   for (std::size_t i = 0; spec_.blocking && i < spec_.blocking->directions.size(); ++i) {
     const BlockingDirection& direction = spec_.blocking->directions[i];
     if (direction.vector)
@@ -254,6 +375,17 @@ void Problem::check_fleet() const {
   check_point(fleet.depot, "fleet.depot");
   for (std::size_t i = 0; i < fleet.sites.size(); ++i)
     check_point(fleet.sites[i], element("fleet.sites", i));
+}
+
+std::optional<Vector3> Problem::place(ConnectionIndex c) const {
+  if (spec_.connections[c].position) return spec_.connections[c].position;
+  const auto& first = spec_.parts[ends_[c][0]].position;
+  const auto& second = spec_.parts[ends_[c][1]].position;
+  if (!first || !second) return std::nullopt;
+  Vector3 middle{};
+  for (std::size_t axis = 0; axis < middle.size(); ++axis)
+    middle[axis] = ((*first)[axis] + (*second)[axis]) / 2;
+  return middle;
 }
 
 std::optional<ConnectionIndex> Problem::first_uncertain() const {

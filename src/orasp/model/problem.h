@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,8 @@ struct Part {
   std::string name{};
   double mass = 1;                    ///< kg, 0 or more
   std::optional<Vector3> position{};  ///< m
+  /// The user's own, by name: formulas see their sums over the moved and over the kept piece.
+  std::map<std::string, double> numbers{};
 };
 
 /// What an attempt that fails does beyond costing its reward. Nothing stated: nothing, it is tried
@@ -49,6 +52,12 @@ struct Connection {
   /// Fleet problems: how the first part moves off the second, "+x" ... "-z"; else empty.
   std::string axis{};
   OnFailure on_failure{};  ///< of an attempt, where success is below 1
+  /// The user's own, by name, for formulas; 0 where a connection states none.
+  std::map<std::string, double> numbers{};
+  /// The user's own, by name: the tool, say. Objectives that look back compare them.
+  std::map<std::string, std::string> attributes{};
+  /// Where the work is done, in metres; nothing stated: in the middle between its two parts.
+  std::optional<Vector3> position{};
 };
 
 /// What must come before what, stated by the way the product is taken apart, by the way it is put
@@ -95,6 +104,31 @@ struct Limits {
   std::optional<std::size_t> max_subassemblies{};
   std::optional<std::size_t> max_moved_parts{};
   std::optional<double> max_moved_mass{};  ///< kg
+  /// At the start and after every step each subassembly holds a base part.
+  bool grounded = false;
+
+  /// Whether anything is limited.
+  [[nodiscard]] bool any() const {
+    return max_subassemblies || max_moved_parts || max_moved_mass || grounded;
+  }
+};
+
+/// What is wanted of a disassembly, instead of everything: `removed` connections are gone and
+/// `free` parts have no connection left.
+struct Goal {
+  enum class Stop {
+    Reached,  ///< the plan ends at the first state in which the goal holds
+    Best,     ///< it may end wherever the goal holds, and ends where that earns most
+  };
+  std::vector<std::string> free{};     ///< ids of parts
+  std::vector<std::string> removed{};  ///< ids of connections
+  Stop stop = Stop::Reached;
+};
+
+/// What one step takes.
+enum class StepKind {
+  Connection,  ///< one connection
+  Part,        ///< a part, or several that hang together, with all connections to the rest
 };
 
 /// Robots, depot and sites of a fleet problem (fleet/fleet.h). Kept, written and digested with the
@@ -117,6 +151,9 @@ struct ProblemSpec {
   std::vector<Precedence> precedence{};
   std::optional<Blocking> blocking{};
   Limits limits{};
+  std::vector<std::string> base{};  ///< ids of the parts that are fixed
+  std::optional<Goal> goal{};
+  StepKind action = StepKind::Connection;
   Objective objective = Objective::named("cubesat");
   Direction direction = Direction::Disassembly;
   std::optional<Fleet> fleet{};
@@ -189,6 +226,14 @@ class Problem {
   [[nodiscard]] const std::vector<ConnectionIndex>& breaks(ConnectionIndex c) const {
     return breaks_[c];
   }
+  /// The parts that are fixed, by part; empty where there are none.
+  [[nodiscard]] const std::vector<bool>& base() const { return base_; }
+  [[nodiscard]] bool in_base(PartIndex part) const { return !base_.empty() && base_[part]; }
+  /// The connections that the goal asks to be gone, ascending: those listed, and those of the parts
+  /// that are to be free. Empty also where there is no goal.
+  [[nodiscard]] const std::vector<ConnectionIndex>& goal() const { return goal_; }
+  /// Where the work on a connection is done; nothing where that is not known.
+  [[nodiscard]] std::optional<Vector3> place(ConnectionIndex c) const;
   /// The first connection at which an attempt may fail (success below 1); empty if there is none.
   [[nodiscard]] std::optional<ConnectionIndex> first_uncertain() const;
   [[nodiscard]] bool uncertain() const { return first_uncertain().has_value(); }
@@ -255,11 +300,15 @@ class Problem {
   void index_breaks();
   void index_precedence();
   void index_blocking();
+  void index_base();
+  void index_goal();
+  void check_action() const;
   void index_directions();
   void index_blockers_by_masks();
   void index_blockers_by_sets();
   void check_limits() const;
   void check_fleet() const;
+  void check_numbers() const;
 
   ProblemSpec spec_;
   std::unordered_map<std::string, PartIndex> part_by_id_;
@@ -268,6 +317,8 @@ class Problem {
   std::vector<std::vector<ConnectionIndex>> breaks_;
   std::vector<PrecedenceClause> precedence_;
   std::vector<std::vector<Blocker>> blockers_;
+  std::vector<bool> base_;
+  std::vector<ConnectionIndex> goal_;
   std::vector<DirectionIndex> directions_;
   std::vector<std::string> direction_names_;  ///< by number
   std::vector<Vector3> named_vectors_;        ///< one for each named pair, of length 1

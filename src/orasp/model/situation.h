@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "orasp/model/connection_set.h"
 #include "orasp/model/error.h"
+#include "orasp/model/vector3.h"
 
 namespace orasp {
 
@@ -26,10 +29,14 @@ struct Situation {
   /// What is legal now but leaves no way to the goal, because it shuts something out, is not among
   /// what can be done.
   ConnectionSet late{};
+  /// What the last steps before left behind, for objectives that look back: of each attribute, the
+  /// direction among them, the last value that a step had, and where the last step was done.
+  std::map<std::string, std::string> in_force{};
+  std::optional<Vector3> last_place{};
 
   [[nodiscard]] static Situation whole(std::size_t connections) {
     const ConnectionSet none(connections);
-    return {ConnectionSet::all(connections), none, none, none};
+    return {ConnectionSet::all(connections), none, none, none, {}, {}};
   }
   /// @throws InputError where a set is over another number of connections.
   void require_over(std::size_t connections) const {
@@ -41,5 +48,10 @@ struct Situation {
   }
   friend bool operator==(const Situation&, const Situation&) = default;
 };
+
+class Problem;
+struct PlanStep;
+/// Notes that a step is done: what it took is no longer open, and what it leaves behind.
+void note_done(const Problem& problem, const PlanStep& step, Situation& now);
 
 }  // namespace orasp

@@ -14,9 +14,12 @@ void choose_directions(std::span<Step> steps,
     const auto is_free = [&](const std::optional<DirectionIndex>& direction) {
       return direction && std::ranges::find(free, *direction) != free.end();
     };
+    const std::optional<DirectionIndex> known = steps[i].direction;
     steps[i].direction.reset();
     if (free.empty()) continue;
-    if (!stated.empty() && is_free(stated[i])) {
+    if (is_free(known)) {
+      last = known;
+    } else if (!stated.empty() && is_free(stated[i])) {
       last = stated[i];
     } else if (!is_free(last)) {
       last = free.front();

@@ -46,6 +46,17 @@ SetView Expander::Scratch::present(SetView open) {
   return present_words;
 }
 
+// The durations of all that is handled in a state: in a disassembly what is gone, in an assembly
+// what is there.
+void Expander::Scratch::set_elapsed(SetView open) {
+  if (!rules.needs_elapsed) return;
+  const SetView there = present(open);
+  handled_seconds = 0;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if (contains(there, c) == rules.assembly) handled_seconds += problem.connections()[c].duration;
+  }
+}
+
 // Where steps take connections away.
 std::span<const std::uint64_t> Expander::Scratch::present_of_all(
     std::span<const std::uint64_t> states) {
@@ -54,30 +65,6 @@ std::span<const std::uint64_t> Expander::Scratch::present_of_all(
   present_batch.assign(states.begin(), states.end());
   for (std::size_t i = 0; i < present_batch.size(); ++i) present_batch[i] |= kept[i % rules.words];
   return present_batch;
-}
-
-// Where steps take connections away, after connectivity.analyse(): the piece that holds c falls
-// apart into A and B.
-[[gnu::always_inline]] inline StepFacts Expander::Scratch::removal_facts(ConnectionIndex c,
-                                                                         std::size_t num_open) {
-  StepFacts facts = counts(c, num_open);
-  const std::uint32_t below = connectivity.below(c);
-  facts.separates = below != 0;
-  facts.subassemblies_joined = connectivity.subassemblies();
-  facts.subassemblies_apart = facts.subassemblies_joined;
-  if (!facts.separates) return facts;
-  const std::uint32_t above = connectivity.piece(c) - below;
-  const bool lower_is_a = connectivity.lower_end(c) == problem.ends(c)[0];
-  facts.a_parts = lower_is_a ? below : above;
-  facts.b_parts = lower_is_a ? above : below;
-  facts.subassemblies_apart += std::size_t{below >= 2} + std::size_t{above >= 2};
-  facts.subassemblies_apart -= 1;
-  if (rules.needs_sides) {
-    pieces.a = connectivity.lower_side(c);
-    pieces.b = connectivity.upper_side(c);
-    if (!lower_is_a) std::swap(pieces.a, pieces.b);
-  }
-  return facts;
 }
 
 // Where steps make connections, after connectivity.analyse(): c joins the pieces of its two parts,
@@ -101,6 +88,7 @@ StepFacts Expander::Scratch::joining_facts(ConnectionIndex c, std::size_t num_op
 // One step on its own, by definition: take the connection away and see what hangs together. Shares
 // nothing with the analysis of all steps at once; drawings and explanations use it.
 StepFacts Expander::Scratch::flooded_facts(SetView open, ConnectionIndex c) {
+  set_elapsed(open);
   StepFacts facts = counts(c, count(open));
   const SetView there = present(open);
   const auto fill = [&](PartIndex start, std::vector<PartIndex>& parts) {
@@ -181,11 +169,33 @@ std::span<const std::uint64_t> Expander::Scratch::free_directions_of_few() {
 
 bool Expander::Scratch::separation_legal(const StepFacts& facts) {
   if (facts.subassemblies_apart > rules.max_subassemblies) return false;
+  if (rules.fixed_parts) return separation_legal_on_base(facts);
   if (std::min(facts.a_parts, facts.b_parts) > rules.max_moved_parts) return false;
   if (rules.max_moved_mass != kInfinity &&
       !at_most(pieces.movement(facts).moved_mass, rules.max_moved_mass))
     return false;
   return !rules.blocking || some_direction_free();
+}
+
+// The same where some parts are fixed.
+bool Expander::Scratch::separation_legal_on_base(const StepFacts& facts) {
+  if (rules.grounded && !leaves_grounded(facts)) return false;
+  const bool limited = rules.max_moved_parts != detail::kUnlimited ||
+                       rules.max_moved_mass != kInfinity || rules.blocking;
+  if (!limited) return true;
+  const Movement movement = pieces.movement(facts);
+  if (!movement.moves) return true;
+  if (movement.moved_parts > rules.max_moved_parts) return false;
+  if (!at_most(movement.moved_mass, rules.max_moved_mass)) return false;
+  return !rules.blocking || some_direction_free();
+}
+
+// Whether each subassembly that the step makes holds a base part.
+bool Expander::Scratch::leaves_grounded(const StepFacts& facts) const {
+  const bool a_has = pieces.has_base(pieces.a);
+  const bool b_has = pieces.has_base(pieces.b);
+  if (rules.making) return a_has || b_has;
+  return (a_has || facts.a_parts == 1) && (b_has || facts.b_parts == 1);
 }
 
 double Expander::Scratch::reward(const StepFacts& facts) const {
@@ -218,6 +228,7 @@ template <class Reward>
 
 // After connectivity's analysis of this state.
 std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
+  set_elapsed(open);
   if (size_costs != nullptr && !rules.making) {
     const SizeCosts& costs = *size_costs;
     return in_order(open, removals(open, [&costs](const StepFacts& facts) {
@@ -320,6 +331,7 @@ Expander::Expander(Expander&&) noexcept = default;
 
 std::span<const Action> Expander::legal_actions(SetView open) {
   Scratch& s = *scratch_;
+  if (s.rules.wide) return s.wide_actions(open);
   s.connectivity.analyse(s.present(open), s.rules.making);
   return s.legal_actions(open);
 }
@@ -327,14 +339,15 @@ std::span<const Action> Expander::legal_actions(SetView open) {
 void Expander::load(std::span<const std::uint64_t> states) {
   static_assert(kBatch == detail::Connectivity::kLanes);
   Scratch& s = *scratch_;
+  if (s.rules.wide) return;
   if (s.connectivity.takes_batches()) s.connectivity.analyse_batch(s.present_of_all(states));
 }
 
 std::span<const Action> Expander::loaded_actions(std::span<const std::uint64_t> states,
                                                  std::size_t i) {
   Scratch& s = *scratch_;
-  const SetView open = states.subspan(i * s.rules.words, s.rules.words);
-  if (!s.connectivity.takes_batches()) return legal_actions(open);
+  const SetView open = states.subspan(i * system_.words(), system_.words());
+  if (s.rules.wide || !s.connectivity.takes_batches()) return legal_actions(open);
   s.connectivity.select(i);
   return s.legal_actions(open);
 }
@@ -344,7 +357,7 @@ Step Expander::step(SetView open, ConnectionIndex connection) {
   const StepFacts facts = scratch_->flooded_facts(open, connection);
   Step step = scratch_->pieces.full_step(facts);
   step.reward = scratch_->reward(facts);
-  if (facts.separates && !scratch_->problem.directions().empty())
+  if (step.moves() && !scratch_->problem.directions().empty())
     step.free_directions = scratch_->free_directions_of_moved(facts);
   return step;
 }
@@ -390,7 +403,8 @@ std::vector<DirectionIndex> Expander::free_directions(SetView open, ConnectionIn
   Scratch& s = *scratch_;
   if (s.problem.directions().empty()) return {};
   const StepFacts facts = s.flooded_facts(open, connection);
-  return facts.separates ? s.free_directions_of_moved(facts) : std::vector<DirectionIndex>{};
+  const bool moves = facts.separates && s.pieces.movement(facts).moves;
+  return moves ? s.free_directions_of_moved(facts) : std::vector<DirectionIndex>{};
 }
 
 std::vector<DirectionIndex> Expander::Scratch::free_directions_of_moved(const StepFacts& facts) {
@@ -416,7 +430,16 @@ TransitionSystem::TransitionSystem(const Problem& problem, const Situation& situ
     : problem_(problem),
       rules_(std::make_unique<const Rules>(problem, situation, walk)),
       situation_(situation),
-      num_steps_(rules_->start.size()) {
+      num_steps_(rules_->start.size()),
+      words_(rules_->words + (rules_->wide ? std::max<std::size_t>(1, rules_->context.words) : 0)),
+      start_state_(words_, 0) {
+  std::ranges::copy(rules_->start.view(), start_state_.begin());
+  std::ranges::copy(rules_->start_context(situation),
+                    start_state_.begin() + static_cast<std::ptrdiff_t>(rules_->words));
+  // The work may be done before it begins.
+  const bool reached = rules_->has_goal && !rules_->may_stop &&
+                       rules_->goal_holds(present(rules_->start.view()).view());
+  if (reached || rules_->start.empty()) std::ranges::fill(start_state_, std::uint64_t{0});
   if (rules_->late.empty() || !rules_->may_shut_out) return;
   Situation in_any_order = situation;
   in_any_order.not_next = in_any_order.late = ConnectionSet(problem.num_connections());
@@ -443,6 +466,18 @@ const ConnectionSet& TransitionSystem::start() const {
 
 bool TransitionSystem::whole() const {
   return rules_->whole;
+}
+
+const detail::Rules& TransitionSystem::rules() const {
+  return *rules_;
+}
+
+bool TransitionSystem::wide() const {
+  return rules_->wide;
+}
+
+bool TransitionSystem::looks_back() const {
+  return rules_->context.words > 0;
 }
 
 bool TransitionSystem::may_shut_out() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -17,12 +18,33 @@ namespace orasp {
 
 namespace detail {
 enum class Walk;
-}
+struct Rules;
+}  // namespace detail
 
 /// One legal action of a state: handling `connection`, and what that step earns.
 struct Action {
+  Action() = default;
+  Action(ConnectionIndex the_connection, double the_reward, std::uint32_t the_number = 0)
+      : connection(the_connection), number(the_number), reward(the_reward) {}
+
+  /// The connection that the step handles; of several (TransitionSystem::wide) the first.
   ConnectionIndex connection;
-  double reward;
+  /// Its place among the legal actions of its state, where TransitionSystem::wide().
+  std::uint32_t number = 0;
+  double reward = 0;
+};
+
+/// What a step of a plan takes, where that is not one connection alone.
+struct PlanStep {
+  std::vector<ConnectionIndex> connections;  ///< ascending; none: the plan ends here
+  /// The direction in which the moved piece leaves, where the planner chose one.
+  std::optional<DirectionIndex> direction{};
+};
+
+/// The steps of a plan, and what they earn together.
+struct PlanWalk {
+  std::vector<PlanStep> steps;
+  double reward = 0;
 };
 
 /// Everything about one step. In disassembly the step removes `connection` and cuts a piece into A
@@ -30,15 +52,19 @@ struct Action {
 /// connection.
 struct Step {
   ConnectionIndex connection = 0;
+  /// All that it handles: the one, or, where steps take parts off, several, the first of which is
+  /// `connection`.
+  std::vector<ConnectionIndex> connections{};
   std::size_t before = 0;         ///< connections present before the step
   std::size_t after = 0;          ///< connections present after the step
   bool separates = false;         ///< its two parts are in different pieces without the connection
   bool completes = false;         ///< it is the last step of all
-  bool a_moves = false;           ///< the moved piece is A; meaningful only if it separates
+  bool both_stay = false;         ///< it moves nothing, since A and B both hold a base part
+  bool a_moves = false;           ///< the moved piece is A; meaningful only if one moves
   std::vector<PartIndex> a;       ///< parts of A, ascending; empty unless it separates
   std::vector<PartIndex> b;       ///< parts of B, ascending; empty unless it separates
-  double moved_mass = 0;          ///< kg; 0 unless it separates
-  double kept_mass = 0;           ///< kg; 0 unless it separates
+  double moved_mass = 0;          ///< kg; 0 unless it moves something
+  double kept_mass = 0;           ///< kg, where nothing moves of A and B; 0 unless it separates
   std::size_t subassemblies = 0;  ///< pieces with two or more parts after the step
   double reward = 0;
   /// The directions in which the moved piece can leave the other, in the order of the file; empty
@@ -48,7 +74,14 @@ struct Step {
   /// The one in which it leaves, in a plan (model/step_directions.h).
   std::optional<DirectionIndex> direction{};
 
-  [[nodiscard]] const std::vector<PartIndex>& moved() const { return a_moves ? a : b; }
+  [[nodiscard]] bool moves() const { return separates && !both_stay; }
+  /// The parts that move; none where both A and B hold a base part.
+  [[nodiscard]] const std::vector<PartIndex>& moved() const {
+    static const std::vector<PartIndex> kNone;
+    if (both_stay) return kNone;
+    return a_moves ? a : b;
+  }
+  /// The piece that stays, where the other moves; else B, which stays as A does.
   [[nodiscard]] const std::vector<PartIndex>& kept() const { return a_moves ? b : a; }
 };
 
@@ -65,7 +98,10 @@ enum class Constraint {
   MaxSubassemblies,  ///< too many pieces with two or more parts
   MaxMovedParts,
   MaxMovedMass,
+  Grounded,      ///< a subassembly would hold no base part
   Blocking,      ///< no direction is free
+  Goal,          ///< the plan ends before its goal is reached, or goes on after it
+  NotOneStep,    ///< what a step takes is not what one step can take
   NotOpen,       ///< the connection was handled before (or, in a bare list, is missing at the end)
   Inaccessible,  ///< Situation::inaccessible
   NotNext,       ///< Situation::not_next
@@ -126,9 +162,26 @@ class TransitionSystem {
   [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] std::size_t num_connections() const { return problem_.num_connections(); }
   /// 64-bit words of a state.
-  [[nodiscard]] std::size_t words() const { return words_for(num_connections()); }
+  [[nodiscard]] std::size_t words() const { return words_; }
+  /// Those of them that say what is open; they come first.
+  [[nodiscard]] std::size_t open_words() const { return words_for(num_connections()); }
+  [[nodiscard]] SetView open(SetView state) const { return state.first(open_words()); }
+  /// The open connections at the start.
   [[nodiscard]] const ConnectionSet& start() const;
-  /// Connections open at the start: the steps of every plan.
+  /// The words of the start.
+  [[nodiscard]] SetView start_state() const { return start_state_; }
+  /// Whether a state is that in which a plan ends. It is the one whose words are all 0.
+  [[nodiscard]] bool ends(SetView state) const {
+    return std::ranges::all_of(state, [](std::uint64_t word) { return word == 0; });
+  }
+  /// Whether there is more to states and steps than open connections of which one is handled. Then
+  /// a plan may end while connections are left (Goal), a step may handle several (StepKind::Part),
+  /// or a state says what the steps before left behind, in words after those of the open ones: a
+  /// *context*. Who walks through states then asks Expander::successor where an action leads.
+  [[nodiscard]] bool wide() const;
+  /// Whether states have a context.
+  [[nodiscard]] bool looks_back() const;
+  /// Connections open at the start: the steps of every plan, or the most where wide().
   [[nodiscard]] std::size_t num_steps() const { return num_steps_; }
   /// Whether the start is all connections and nothing but the problem's own constraints judges
   /// steps.
@@ -197,12 +250,16 @@ class TransitionSystem {
   /// Pieces with two or more parts among the connections of `present` (not `open`).
   [[nodiscard]] std::size_t subassemblies(SetView present) const;
 
+  /// The rules, arranged for work.
+  [[nodiscard]] const detail::Rules& rules() const;
+
  private:
   friend class Expander;
   struct Rules;
   TransitionSystem(const Problem& problem, const Situation& situation, detail::Walk walk);
   [[nodiscard]] Violation waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
                                         std::size_t entry, bool to_be_made) const;
+  [[nodiscard]] std::optional<Violation> ungrounded(SetView present) const;
 
   const Problem& problem_;
   std::unique_ptr<const Rules> rules_;
@@ -210,6 +267,8 @@ class TransitionSystem {
   std::unique_ptr<const TransitionSystem> in_any_order_;
   Situation situation_;
   std::size_t num_steps_;
+  std::size_t words_;
+  std::vector<std::uint64_t> start_state_;
 };
 
 /// Works out steps. Holds scratch memory, so each thread makes its own; cheap to make (O(parts +
@@ -241,6 +300,16 @@ class Expander {
   /// @throws InputError if an expression or a callable yields a reward that is not finite.
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
 
+  /// Writes to `next` the state that the action leads to. Where wide(), the action is one of those
+  /// that the last call of legal_actions gave, for this very state.
+  void successor(SetView state, const Action& action, std::span<std::uint64_t> next) const;
+  /// What the action takes; where wide(), of the last call of legal_actions, as above.
+  [[nodiscard]] PlanStep plan_step(const Action& action) const;
+  /// What the steps of a walk take, from state to state (each of words() words, one after another,
+  /// the first of them the start of the walk). Of several ways between two states it is one that
+  /// earns most. @throws std::logic_error if no legal action leads from one to the next.
+  [[nodiscard]] PlanWalk steps_along(std::span<const std::uint64_t> states);
+
   /// The same for many states, which stand one after another: calls visit(i, legal actions of state
   /// i). Quicker than one by one where several can be analysed at once.
   template <class Visit>
@@ -250,7 +319,7 @@ class Expander {
     for (std::size_t begin = 0; begin < size; begin += kBatch) {
       const std::size_t batch = size - begin < kBatch ? size - begin : kBatch;
       const auto loaded = states.subspan(begin * words, batch * words);
-      load(loaded);
+      load(loaded);  // nothing, where wide()
       for (std::size_t i = 0; i < batch; ++i) visit(begin + i, loaded_actions(loaded, i));
     }
   }
@@ -286,7 +355,7 @@ class Expander {
   [[nodiscard]] std::optional<double> cut_gain(std::span<const PartIndex> a,
                                                std::span<const PartIndex> b,
                                                ConnectionIndex connection);
-  /// The most that a cut gains whose moved piece has `moved` parts and whose other has `kept`,
+  /// The most that a cut gains into a smaller side of `moved` parts and a larger one of `kept`,
   /// whatever they are; infinite where that is not known. Exact where gain_by_sizes().
   [[nodiscard]] double greatest_gain(std::size_t moved, std::size_t kept);
   /// The most that a cut gains that moves just these parts, whatever from; infinite where that is

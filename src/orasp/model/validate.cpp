@@ -10,6 +10,7 @@
 
 #include "orasp/model/detail/plan_replay.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/plan_check.h"
 #include "orasp/model/step_directions.h"
 
 namespace orasp {
@@ -31,7 +32,8 @@ void expect_agreement(const std::set<Constraint>& found, std::vector<Violation>&
 
 /// In words, a rule that is broken where the plan begins.
 Violation violation_at_start(const TransitionSystem& system, const detail::PlanFault& fault) {
-  if (fault.constraint == Constraint::MaxSubassemblies) return system.infeasibility().value();
+  if (fault.constraint == Constraint::MaxSubassemblies || fault.constraint == Constraint::Grounded)
+    return system.infeasibility().value();
   const Problem& problem = system.problem();
   const auto name = [&](ConnectionIndex c) { return detail::in_quotes(problem.connection_id(c)); };
   std::string message = name(fault.connection);
@@ -116,6 +118,18 @@ std::map<std::size_t, Violation> wrong_directions(const Problem& problem,
   return wrong;
 }
 
+/// What is there after the steps of a plan with a goal.
+std::vector<ConnectionIndex> staying(const TransitionSystem& system, std::span<const Step> steps) {
+  std::vector<ConnectionIndex> stays;
+  if (!system.problem().spec().goal) return stays;
+  ConnectionSet there = system.present(system.start().view());
+  for (const Step& step : steps) {
+    for (const ConnectionIndex c : step.connections) there.erase(c);
+  }
+  for_each_connection(there.view(), [&](ConnectionIndex c) { stays.push_back(c); });
+  return stays;
+}
+
 }  // namespace
 
 Evaluation evaluate(const TransitionSystem& system, std::span<const std::string> sequence,
@@ -141,6 +155,7 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
   direct(evaluation.steps, indices, stated);
   const std::map<std::size_t, Violation> misdirected =
       wrong_directions(problem, evaluation.steps, indices, directions, replay);
+  evaluation.stays = staying(system, evaluation.steps);
   evaluation.valid = replay.faults.empty() && misdirected.empty();
   if (evaluation.valid) return evaluation;
 
@@ -164,7 +179,13 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
   };
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     const std::string& id = sequence[i];
-    const std::set<Constraint> found = found_at(i + 1);
+    std::set<Constraint> found = found_at(i + 1);
+    if (found.erase(Constraint::Goal) > 0) {
+      evaluation.violations.push_back(
+          {i + 1,
+           id,
+           {Constraint::Goal, "goal", "the goal was reached before, and the plan ends there", {}}});
+    }
     if (indices[i] >= connections) {
       report(i + 1, id, "the problem has no connection " + detail::in_quotes(id));
       continue;
@@ -186,8 +207,49 @@ Evaluation evaluate(const TransitionSystem& system, std::span<const std::string>
   }
   for (; fault != replay.faults.end(); ++fault) {
     const std::string& id = problem.connection_id(fault->connection);
-    report(fault->step, id, "\"" + id + "\" is missing at the end of the sequence");
+    report(fault->step, id,
+           "\"" + id + "\" is missing at the end of the sequence" +
+               (problem.spec().goal ? ", and the goal asks for it" : ""));
   }
+  return evaluation;
+}
+
+Evaluation evaluate(const TransitionSystem& system, std::span<const PlanStep> steps) {
+  const Problem& problem = system.problem();
+  detail::PlanReplay replay = detail::replay(problem, system.situation(), steps, true);
+  Evaluation evaluation;
+  evaluation.reward = replay.reward;
+  evaluation.steps = std::move(replay.steps);
+  std::vector<std::optional<DirectionIndex>> stated;
+  for (std::size_t i = 0; i < evaluation.steps.size(); ++i)
+    stated.push_back(i < steps.size() ? steps[i].direction : std::nullopt);
+  choose_directions(evaluation.steps, stated);
+  evaluation.stays = staying(system, evaluation.steps);
+  evaluation.valid = replay.faults.empty() && replay.direction_faults.empty();
+  const auto id_of = [&](std::size_t step) -> std::string {
+    if (step == 0 || step > steps.size() || steps[step - 1].connections.empty()) return "";
+    const ConnectionIndex first = steps[step - 1].connections.front();
+    return first < problem.num_connections() ? problem.connection_id(first) : "";
+  };
+  for (const detail::PlanFault& fault : replay.faults) {
+    const bool missing = fault.step > steps.size();
+    evaluation.violations.push_back(
+        {fault.step,
+         missing ? problem.connection_id(fault.connection) : id_of(fault.step),
+         {fault.constraint, "", detail::fault_sentence(problem, fault, steps.size()), {}}});
+  }
+  for (const detail::PlanDirectionFault& fault : replay.direction_faults) {
+    const auto part = [&](PartIndex p) { return detail::in_quotes(problem.part_id(p)); };
+    evaluation.violations.push_back(
+        {fault.step,
+         id_of(fault.step),
+         {Constraint::Blocking,
+          "blocking",
+          "the plan states the direction " + problem.direction_name(fault.direction) +
+              ", in which " + part(fault.by) + " is in the way of " + part(fault.part),
+          {}}});
+  }
+  std::ranges::stable_sort(evaluation.violations, {}, &StepViolation::step);
   return evaluation;
 }
 

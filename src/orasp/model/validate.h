@@ -21,6 +21,8 @@ struct StepViolation {
 /// A plan replayed.
 struct Evaluation {
   bool valid = false;
+  /// Of a plan with a goal: the connections that stay, ascending.
+  std::vector<ConnectionIndex> stays;
   double reward = 0;        ///< sum over the steps that could be made
   std::vector<Step> steps;  ///< in the order of the problem's direction
   std::vector<StepViolation> violations;
@@ -40,6 +42,9 @@ struct Evaluation {
                                   std::span<const std::string> directions = {});
 [[nodiscard]] Evaluation evaluate(const Problem& problem,
                                   std::span<const ConnectionIndex> sequence);
+/// The same for a plan where there is more to steps (TransitionSystem::wide): what each takes, and
+/// the direction in which it leaves.
+[[nodiscard]] Evaluation evaluate(const TransitionSystem& system, std::span<const PlanStep> steps);
 /// The same for what is left of the work: `sequence` holds the steps still to come.
 [[nodiscard]] Evaluation evaluate(const TransitionSystem& system,
                                   std::span<const std::string> sequence,

@@ -140,18 +140,33 @@ class Reasons {
               std::to_string(facts.subassemblies_apart) + " subassemblies; at most " +
               std::to_string(rules_.max_subassemblies) + " are allowed");
     }
-    const std::size_t moved_parts = std::min(facts.a_parts, facts.b_parts);
+    const detail::Movement movement = pieces.movement(facts);
+    const std::size_t moved_parts = movement.moved_parts;
     if (moved_parts > rules_.max_moved_parts) {
       add(Constraint::MaxMovedParts, "limits.max_moved_parts",
           cut() + " moves " + std::to_string(moved_parts) + " parts; at most " +
               std::to_string(rules_.max_moved_parts) + " are allowed");
     }
-    const double moved_mass = pieces.movement(facts).moved_mass;
+    const double moved_mass = movement.moved_mass;
     if (!at_most(moved_mass, rules_.max_moved_mass)) {
       add(Constraint::MaxMovedMass, "limits.max_moved_mass",
           cut() + " moves " + detail::number_text(moved_mass) + " kg; at most " +
               detail::number_text(rules_.max_moved_mass) + " kg are allowed");
     }
+  }
+
+  /// Of a step after which a subassembly holds no base part.
+  void grounded(const StepFacts& facts, const detail::StepPieces& pieces) {
+    std::string loose;
+    if (rules_.making) {
+      loose = parts(pieces.a) + ", " + parts(pieces.b);
+    } else {
+      const bool a_is_loose = facts.a_parts > 1 && !pieces.has_base(pieces.a);
+      loose = parts(a_is_loose ? pieces.a : pieces.b);
+    }
+    add(Constraint::Grounded, "limits.grounded",
+        cut() + (rules_.assembly ? " starts from or makes" : " leaves") + " a subassembly of " +
+            loose + " without a base part; each must hold one");
   }
 
   /// Of a step for which no direction is free.
@@ -237,7 +252,9 @@ std::vector<Violation> Expander::violations(SetView open, ConnectionIndex connec
   const StepFacts facts = s.flooded_facts(open, connection);
   if (facts.separates) {
     reasons.limits(facts, s.pieces);
-    if (s.rules.blocking && !s.some_direction_free()) reasons.blocking(s.pieces);
+    if (s.rules.grounded && !s.leaves_grounded(facts)) reasons.grounded(facts, s.pieces);
+    const bool moves = !s.rules.fixed_parts || s.pieces.movement(facts).moves;
+    if (s.rules.blocking && moves && !s.some_direction_free()) reasons.blocking(s.pieces);
   }
   return std::move(reasons).found();
 }
@@ -250,10 +267,13 @@ std::string_view constraint_name(Constraint constraint) {
     case Constraint::MaxSubassemblies: return "max_subassemblies";
     case Constraint::MaxMovedParts: return "max_moved_parts";
     case Constraint::MaxMovedMass: return "max_moved_mass";
+    case Constraint::Grounded: return "grounded";
     case Constraint::Blocking: return "blocking";
     case Constraint::Inaccessible: return "inaccessible";
     case Constraint::NotNext: return "not_next";
     case Constraint::Late: return "late";
+    case Constraint::Goal: return "goal";
+    case Constraint::NotOneStep: return "action";
     case Constraint::NotOpen: break;
   }
   return "sequence";

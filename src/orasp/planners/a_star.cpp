@@ -9,6 +9,7 @@
 #include "orasp/containers/state_table.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
 
@@ -198,6 +199,7 @@ Result searched(const TransitionSystem& system, const AStarOptions& options, con
 }  // namespace
 
 Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
+  if (system.wide()) return detail::wide_a_star(system, budget);
   return detail::from_the_end(
       system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
 }

@@ -159,7 +159,8 @@ Result run_rounds(const TransitionSystem& system, const AndOrOptions& options,
 }  // namespace
 
 std::optional<std::string> and_or_obstacle(const TransitionSystem& system) {
-  if (system.whole() && system.sees_piece_only() && system.problem().num_parts() <= kAndOrMostParts)
+  if (system.whole() && !system.wide() && system.sees_piece_only() &&
+      system.problem().num_parts() <= kAndOrMostParts)
     return std::nullopt;
   return "takes whole problems of at most " + std::to_string(kAndOrMostParts) +
          " parts, whose objective sees nothing but the piece that is cut or put together";

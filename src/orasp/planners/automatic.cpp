@@ -13,6 +13,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/dense_value_iteration.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
@@ -203,6 +204,11 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 }  // namespace
 
 Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
+  if (system.wide()) {
+    Result result = detail::wide_automatic(system, budget);
+    result.seed = seed;
+    return result;
+  }
   if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
   Result result = detail::from_the_end(
       system, [&](const TransitionSystem& from) { return chosen(system, from, budget); });

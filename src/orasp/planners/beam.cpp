@@ -9,6 +9,7 @@
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
 
@@ -382,6 +383,7 @@ Result searched(const TransitionSystem& system, const BeamOptions& options, cons
 }  // namespace
 
 Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
+  if (system.wide()) return detail::wide_beam(system, options.incumbent, budget);
   return detail::from_the_end(system, [&](const TransitionSystem& from) {
     if (&from == &system || options.incumbent == nullptr) return searched(from, options, budget);
     Result incumbent = *options.incumbent;

@@ -54,6 +54,10 @@ Result bellman_ford(const StateGraph& graph, const BellmanFordOptions& options,
   const auto goal = graph.goal();
   if (!goal) {
     result = detail::exhausted("bellman-ford", result.statistics);
+  } else if (graph.system().wide()) {
+    detail::take_path(graph, parent, result);
+    result.status = Status::Optimal;
+    result.bound = result.reward;
   } else {
     result.sequence.resize(graph.system().num_steps());
     StateId s = *goal;

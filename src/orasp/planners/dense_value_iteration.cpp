@@ -363,7 +363,7 @@ bool dense_table_fits(const TransitionSystem& system, const Budget& budget) {
 }
 
 bool dense_values_safe(const TransitionSystem& system) {
-  return unconstrained(system) || !system.calls_out();
+  return !system.wide() && (unconstrained(system) || !system.calls_out());
 }
 
 Result dense_value_iteration(const TransitionSystem& system,

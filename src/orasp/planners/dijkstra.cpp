@@ -9,6 +9,24 @@
 
 namespace orasp {
 
+namespace {
+
+/// The most that an action earns for each connection that it handles. A step that ends the plan
+/// early counts as handling all that is left: so every path handles as many.
+double greatest_by_connection(const StateGraph& graph) {
+  double greatest = 0;
+  for (StateId s = 0; s < graph.num_states(); ++s) {
+    const auto open = static_cast<double>(count(graph.state(s)));
+    for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
+      const auto left = static_cast<double>(count(graph.state(graph.successor(a))));
+      greatest = std::max(greatest, graph.reward(a) / (open - left));
+    }
+  }
+  return greatest;
+}
+
+}  // namespace
+
 Result dijkstra(const StateGraph& graph, const Budget& budget) {
   // Dijkstra (1959) with lengths greatest - r >= 0. A state settled is never entered again: lengths
   // are not negative, and the heap would only take it for a strictly smaller length.
@@ -22,7 +40,8 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
   result.statistics.generated = 0;
   const auto states = static_cast<StateId>(graph.num_states());
   const auto goal = graph.goal();
-  const double greatest = graph.greatest_reward();
+  const bool wide = graph.system().wide();
+  const double greatest = wide ? greatest_by_connection(graph) : graph.greatest_reward();
 
   std::vector<double> length(states, kInfinity);
   std::vector<StateId> parent(states, 0);
@@ -44,10 +63,12 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
         result.stop = budget.expired(result.statistics.peak_bytes);
         if (result.stop != Stop::None) return;
       }
+      const std::size_t before = wide ? count(graph.state(s)) : 0;
       for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
         ++result.statistics.generated;
         const StateId next = graph.successor(a);
-        const double through = length[s] + std::max(0.0, greatest - reward_of(a));
+        const double handled = wide ? static_cast<double>(before - count(graph.state(next))) : 1.0;
+        const double through = length[s] + std::max(0.0, greatest * handled - reward_of(a));
         if (through < length[next]) {
           length[next] = through;
           parent[next] = s;
@@ -63,6 +84,13 @@ Result dijkstra(const StateGraph& graph, const Budget& budget) {
   } else if (!goal) {
     result = detail::exhausted("dijkstra", result.statistics);
   } else {
+    if (wide) {
+      detail::take_path(graph, parent, result);
+      result.status = Status::Optimal;
+      result.bound = result.reward;
+      result.statistics.seconds = watch.seconds();
+      return result;
+    }
     result.sequence.resize(graph.system().num_steps());
     result.reward = 0;
     StateId s = *goal;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 
 namespace orasp {
@@ -19,6 +20,7 @@ Result exhaustive(const TransitionSystem& system, const Budget& budget) {
   constexpr std::uint64_t kPollEvery = 4096;
   const Stopwatch watch;
   if (const auto reason = exhaustive_obstacle(system)) throw Refusal("exhaustive", *reason);
+  if (system.wide()) return detail::wide_exhaustive(system, budget);
   if (auto result = detail::infeasible_at_once(system, "exhaustive")) return *result;
   Result result;
   result.method = "exhaustive";

@@ -11,6 +11,7 @@
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/depth_first_plan.h"
+#include "orasp/planners/detail/wide_search.h"
 
 namespace orasp {
 
@@ -35,9 +36,9 @@ double harmless(const Problem& problem) {
   const Limits& limits = problem.limits();
   const bool blocking =
       std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
-  const bool judges_cuts =
-      blocking || limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass;
-  if (!judges_cuts) return 0;
+  if (!blocking && !limits.any()) return 0;
+  // A base part that is taken off leaves pieces that then move.
+  if (problem.spec().base.size() > 1) return -kInfinity;
   const bool equal_masses = std::ranges::all_of(
       problem.parts(), [&](const Part& part) { return part.mass == problem.parts().front().mass; });
   if (limits.max_moved_mass && !equal_masses) return -kInfinity;
@@ -95,6 +96,16 @@ class PartsFirst {
 
 /// `system` takes the problem apart.
 Feasibility search(const TransitionSystem& system, const Budget& budget) {
+  if (system.wide()) {
+    Result result = detail::wide_greedy(system, budget);
+    Feasibility found;
+    found.status = result.has_plan() ? Status::Feasible : result.status;
+    found.stop = result.stop;
+    found.order = std::move(result.sequence);
+    found.steps = std::move(result.steps);
+    found.expanded = result.statistics.expanded;
+    return found;
+  }
   const double threshold = harmless(system.problem());
   const ConnectionSet none(system.num_connections());
   std::optional<PartsFirst> parts_first;  // often nothing asks for it

@@ -18,6 +18,8 @@ struct Feasibility {
   Stop stop = Stop::None;
   /// A legal order of disassembly; empty unless feasible.
   std::vector<ConnectionIndex> order = {};
+  /// The same step by step, where there is more to steps (TransitionSystem::wide).
+  std::vector<PlanStep> steps = {};
   /// How many states were looked at.
   std::uint64_t expanded = 0;
 };

@@ -6,10 +6,12 @@
 
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/depth_first_plan.h"
+#include "orasp/planners/detail/wide_search.h"
 
 namespace orasp {
 
 Result greedy(const TransitionSystem& system, const Budget& budget) {
+  if (system.wide()) return detail::wide_greedy(system, budget);
   return detail::depth_first_plan(system, budget, "greedy", [](SetView, std::span<Action> actions) {
     std::ranges::stable_sort(actions, std::ranges::greater{}, &Action::reward);
     return actions.size();

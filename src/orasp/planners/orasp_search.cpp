@@ -8,6 +8,7 @@
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
 #include "orasp/task/memory_limit.h"
@@ -217,6 +218,7 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
 
 Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                     const Budget& budget) {
+  if (system.wide()) return detail::wide_depth_first(system, options.seed, budget);
   return detail::from_the_end(
       system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
 }

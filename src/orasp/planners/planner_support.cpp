@@ -21,6 +21,21 @@ std::optional<Result> infeasible_at_once(const TransitionSystem& system, std::st
   return result;
 }
 
+void take_walk(PlanWalk walk, Result& result) {
+  result.sequence.clear();
+  for (const PlanStep& step : walk.steps)
+    result.sequence.insert(result.sequence.end(), step.connections.begin(), step.connections.end());
+  result.steps = std::move(walk.steps);
+  result.reward = walk.reward;
+}
+
+void take_path(const StateGraph& graph, std::span<const StateId> parent, Result& result) {
+  std::vector<StateId> path{*graph.goal()};
+  while (path.back() != 0) path.push_back(parent[path.back()]);
+  std::ranges::reverse(path);
+  take_walk(graph.steps_along(path), result);
+}
+
 namespace {
 
 /// The seconds that a quick plan may take after a limit has ended a method.

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/graph/graph_estimate.h"
@@ -24,6 +25,13 @@ namespace orasp::detail {
 [[nodiscard]] double reward_of(const TransitionSystem& system,
                                std::span<const ConnectionIndex> sequence);
 
+/// Sets the plan of a result, and its reward, to this walk.
+void take_walk(PlanWalk walk, Result& result);
+
+/// Sets the plan of a result, and what it earns, to the path in H that ends at the goal, which is
+/// reached, and comes from each state's parent. Where steps are wide.
+void take_path(const StateGraph& graph, std::span<const StateId> parent, Result& result);
+
 /// Runs `plan(system)`, which returns a Result. Where steps make connections it is run backwards,
 /// from the product to where the work stands, and its sequence is turned round: from there more is
 /// known about what is still to come, and there are no dead ends of precedence. Not where the order
@@ -32,7 +40,7 @@ template <class Plan>
 [[nodiscard]] Result from_the_end(const TransitionSystem& system, Plan&& plan) {
   const Stopwatch watch;
   Result result;
-  if (system.takes_apart() || system.ordered()) {
+  if (system.takes_apart() || system.ordered() || system.wide()) {
     result = plan(system);
   } else {
     const TransitionSystem backwards = system.backwards();

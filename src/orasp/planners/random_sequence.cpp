@@ -4,11 +4,13 @@
 
 #include "orasp/model/random.h"
 #include "orasp/planners/depth_first_plan.h"
+#include "orasp/planners/detail/wide_search.h"
 
 namespace orasp {
 
 Result random_sequence(const TransitionSystem& system, const RandomOptions& options,
                        const Budget& budget) {
+  if (system.wide()) return detail::wide_random(system, options.seed, budget);
   // A uniform shuffle (Fisher and Yates 1938; Durstenfeld 1964): its first element is a uniform
   // draw, and after a failure the next is a uniform draw among the rest.
   SplitMix64 random(options.seed);

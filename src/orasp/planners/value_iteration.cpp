@@ -55,6 +55,7 @@ bool roll_out(const StateGraph& graph, const std::vector<double>& values, Result
   result.sequence.clear();
   result.reward = 0;
   StateId s = 0;
+  std::vector<StateId> path{s};
   while (graph.begin(s) < graph.end(s)) {
     ActionId best = graph.begin(s);
     for (ActionId a = best + 1; a < graph.end(s); ++a) {
@@ -65,7 +66,9 @@ bool roll_out(const StateGraph& graph, const std::vector<double>& values, Result
     result.sequence.push_back(graph.connection(best));
     result.reward += graph.reward(best);
     s = graph.successor(best);
+    path.push_back(s);
   }
+  if (graph.system().wide()) detail::take_walk(graph.steps_along(path), result);
   return graph.goal() == s;
 }
 

@@ -259,6 +259,7 @@ bool drawable(const StateGraph& graph) {
 
 /// H, if it is small enough to be counted.
 std::optional<StateGraph> counted_graph(const TransitionSystem& system) {
+  if (system.wide()) return std::nullopt;  // its states are more than what is open
   if (estimate_graph(system).states > 2.0 * static_cast<double>(kMostCounted)) return std::nullopt;
   Budget budget;
   budget.max_expansions = kMostCounted;

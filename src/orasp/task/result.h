@@ -3,12 +3,15 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "orasp/model/connection_set.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/model/transition_system.h"
+#include "orasp/model/validate.h"
 #include "orasp/task/fleet_plan.h"
 
 namespace orasp {
@@ -94,6 +97,8 @@ struct Result {
   /// A plan of one robot: all connections in the order of the problem's direction. Empty without a
   /// plan, and where the objective is one of several robots.
   std::vector<ConnectionIndex> sequence;
+  /// The same plan step by step, where there is more to steps (TransitionSystem::wide); else empty.
+  std::vector<PlanStep> steps;
   /// A plan of several robots; without steps where there is none.
   FleetPlan fleet_plan;
   /// The most steps that the least travel was sought within; empty for every other objective.
@@ -123,5 +128,11 @@ struct Result {
     return has_plan() && *bound < reward ? reward : *bound;
   }
 };
+
+/// The plan of a result of one robot, replayed (model/validate.h).
+[[nodiscard]] inline Evaluation evaluate(const TransitionSystem& system, const Result& result) {
+  return result.steps.empty() ? evaluate(system, std::span<const ConnectionIndex>(result.sequence))
+                              : evaluate(system, std::span<const PlanStep>(result.steps));
+}
 
 }  // namespace orasp

@@ -2,12 +2,20 @@
 
 #include <cstddef>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
 
 namespace orasp {
+
+/// What methods say, after their name, that know states as open connections and steps as one of
+/// them (TransitionSystem::wide).
+inline constexpr std::string_view kPlainSteps =
+    "plans steps that take one connection each until none is left, and earn what they earn "
+    "whatever "
+    "came before; here a goal, part steps or costs between steps say otherwise";
 
 /// What is asked: a problem, where the work on it stands, and within how many steps. Every method
 /// of the catalogue takes a task, whether the objective is that of one robot or of several.

@@ -83,6 +83,11 @@ std::size_t read_count(JsonValue value, const Place& place) {
   return static_cast<std::size_t>(value.number());
 }
 
+bool read_flag(JsonValue value, const Place& place) {
+  if (!value.is(JsonKind::Boolean)) fail_type(place, value, "true or false");
+  return value.boolean();
+}
+
 std::vector<double> read_numbers(JsonValue value, const Place& place, std::size_t size) {
   const std::string wanted = fmt::format("an array of {} numbers", size);
   std::vector<double> numbers = read_array(value, place, wanted, read_number);

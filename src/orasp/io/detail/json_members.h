@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -71,6 +72,7 @@ std::string read_string(JsonValue value, const Place& place);
 std::string read_id(JsonValue value, const Place& place);
 double read_number(JsonValue value, const Place& place);
 std::size_t read_count(JsonValue value, const Place& place);
+bool read_flag(JsonValue value, const Place& place);
 
 template <class Read>
 auto read_array(JsonValue value, const Place& place, std::string_view wanted, Read&& read) {
@@ -79,6 +81,18 @@ auto read_array(JsonValue value, const Place& place, std::string_view wanted, Re
   value.for_each(
       [&](JsonValue element) { elements.push_back(read(element, Place(place, elements.size()))); });
   return elements;
+}
+
+/// The members of an object whose keys are names of the user's own; comments are left out.
+template <class Read>
+auto read_by_name(JsonValue value, const Place& place, std::string_view wanted, Read&& read) {
+  if (!value.is(JsonKind::Object)) fail_type(place, value, wanted);
+  std::map<std::string, decltype(read(value, place))> values;
+  value.for_each([&](JsonValue member) {
+    if (is_comment(member)) return;
+    values.emplace(std::string(member.key()), read(member, Place(place, member.key())));
+  });
+  return values;
 }
 
 /// The numbers of an array that must have `size` of them.

@@ -60,6 +60,7 @@ CheckedReward::CheckedReward(const Problem& problem)
   const Objective& objective = problem.objective();
   kind_of(objective).add_checked_terms(objective.parameters, 1, problem_, terms_);
   needs_step_ = std::ranges::any_of(terms_, &CheckedTerm::needs_step);
+  looks_back_ = std::ranges::any_of(terms_, &CheckedTerm::looks_back);
 }
 
 CheckedReward::Value CheckedReward::of(const SeenStep& step) const {

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "orasp/model/problem.h"
@@ -25,8 +27,46 @@ struct SeenStep {
   double kept_mass = 0;
   /// The mean of the moved parts' positions; nothing where one of them has no position.
   std::optional<Vector3> moved_centroid;
+  double duration = 0;  ///< s, of all that it handles
+  /// Of a step that takes parts off: the sizes of the pieces that the rest falls into. Else empty.
+  std::vector<std::size_t> rest_parts;
+  double elapsed = 0;  ///< s, the durations of all that was handled before
+  /// Of the user's own numbers: the connection's, and the sums over the moved and the kept piece; 0
+  /// where a name is missing.
+  std::map<std::string, double> own_numbers;
+  std::map<std::string, double> moved_numbers;
+  std::map<std::string, double> kept_numbers;
+  /// Of each attribute that the objective looks back at: the step's value and the last one before;
+  /// missing where there is none.
+  std::map<std::string, std::string> attributes;
+  std::map<std::string, std::string> in_force;
+  std::optional<Vector3> place;       ///< where it is done
+  std::optional<Vector3> last_place;  ///< where the step before was done
+  double largest_number_sum = 0;      ///< of absolute values, over both pieces
   /// The whole step, for objectives that are functions of the caller; else null.
   const Step* step = nullptr;
+
+  /// The sizes of the pieces that it leaves, or joins.
+  [[nodiscard]] std::vector<std::size_t> pieces() const {
+    if (rest_parts.empty()) return {a_parts, b_parts};
+    std::vector<std::size_t> all = rest_parts;
+    all.insert(all.begin(), a_parts);
+    return all;
+  }
+  [[nodiscard]] double number(const std::string& name) const { return found(own_numbers, name); }
+  [[nodiscard]] double moved_number(const std::string& name) const {
+    return found(moved_numbers, name);
+  }
+  [[nodiscard]] double kept_number(const std::string& name) const {
+    return found(kept_numbers, name);
+  }
+
+ private:
+  [[nodiscard]] static double found(const std::map<std::string, double>& numbers,
+                                    const std::string& name) {
+    const auto entry = numbers.find(name);
+    return entry == numbers.end() ? 0.0 : entry->second;
+  }
 };
 
 /// What a step earns, and by how much an honest reward may differ beyond relative errors.
@@ -61,6 +101,7 @@ struct CheckedTerm {
   std::function<CheckedValue(const SeenStep&)> value;
   bool calls_out = false;   ///< a formula or a function of the user, which may not be finite
   bool needs_step = false;  ///< it looks at SeenStep::step
+  bool looks_back = false;  ///< it looks at the steps before
 };
 
 /// Rewards for the check of plans.
@@ -88,6 +129,8 @@ class CheckedReward {
   };
   [[nodiscard]] Value of(const SeenStep& step) const;
 
+  /// Whether some objective looks at the steps before.
+  [[nodiscard]] bool looks_back() const { return looks_back_; }
   /// Whether some objective is a function of the whole Step.
   [[nodiscard]] bool needs_step() const { return needs_step_; }
 
@@ -96,6 +139,7 @@ class CheckedReward {
   double largest_;
   std::vector<CheckedTerm> terms_;
   bool needs_step_ = false;
+  bool looks_back_ = false;
 };
 
 }  // namespace orasp::detail

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "orasp/model/detail/checked_reward.h"
+#include "orasp/model/detail/look_back.h"
+#include "orasp/model/detail/part_replay.h"
 #include "orasp/model/detail/reward_size.h"
 #include "orasp/model/detail/wording.h"
 
@@ -30,6 +33,9 @@ struct Piece {
   Vector3 positions{};
   std::size_t without_position = 0;
   PartIndex earliest = 0;
+  std::size_t base_parts = 0;
+  std::map<std::string, double> numbers{};       ///< the user's own, added up
+  std::map<std::string, double> number_sizes{};  ///< their absolute values, added up
 
   void take_in(const Piece& other) {
     parts += other.parts;
@@ -37,8 +43,19 @@ struct Piece {
     for (std::size_t axis = 0; axis < 3; ++axis) positions[axis] += other.positions[axis];
     without_position += other.without_position;
     earliest = std::min(earliest, other.earliest);
+    base_parts += other.base_parts;
+    for (const auto& [name, sum] : other.numbers) numbers[name] += sum;
+    for (const auto& [name, sum] : other.number_sizes) number_sizes[name] += sum;
   }
 };
+
+/// A piece to add parts to, the first of which is `first`.
+Piece nothing_yet(PartIndex first) {
+  Piece piece;
+  piece.parts = 0;
+  piece.earliest = first;
+  return piece;
+}
 
 class Replayer {
  public:
@@ -52,7 +69,10 @@ class Replayer {
         assembly_(problem.direction() == Direction::Assembly),
         reward_(problem),
         with_steps_(with_steps),
-        whole_steps_(with_steps || reward_.needs_step()) {}
+        whole_steps_(with_steps || reward_.needs_step()),
+        looks_back_(reward_.looks_back()),
+        ends_when_reached_(problem.spec().goal &&
+                           problem.spec().goal->stop == Goal::Stop::Reached) {}
 
   PlanReplay run();
 
@@ -68,6 +88,7 @@ class Replayer {
     return situation_.open.contains(c) && !situation_.inaccessible.contains(c);
   }
   void find_times();
+  void judge_goal();
   void judge_precedence();
   void blame_start();
   [[nodiscard]] std::vector<PlanFault> precedence_faults(ConnectionIndex c, std::size_t time) const;
@@ -98,8 +119,15 @@ class Replayer {
   [[nodiscard]] std::vector<DirectionIndex> ways_out(PartIndex moved, PartIndex kept);
   void judge_direction(const Made& made, const Step& step, PartIndex a, PartIndex b);
   void judge_cut(const Made& step, PartIndex a, PartIndex b);
+  void judge_ground(const Made& step, const Piece& a, const Piece& b);
+  [[nodiscard]] bool stands(const Piece& a, const Piece& b) const;
+  void judge_ground_now();
   [[nodiscard]] bool cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const;
   void make(const Made& step);
+  static void see_numbers(SeenStep& seen, const Piece& moved, const Piece& kept, bool moves);
+  void add_up_durations();
+  void keep_for_later(const Made& made, const SeenStep& seen, Step step, PartIndex a, PartIndex b);
+  void look_back();
   void list_sides(Step& step, PartIndex a, PartIndex b, Piece& piece_a, Piece& piece_b) const;
   void judge_order(const Made& step);
   [[nodiscard]] bool may_shut_out() const;
@@ -116,12 +144,15 @@ class Replayer {
   CheckedReward reward_;
   bool with_steps_;
   bool whole_steps_;
+  bool looks_back_;
+  bool ends_when_reached_;
   PlanReplay replay_;
 
   std::vector<Made> made_;
   std::vector<std::size_t> handled_at_;  ///< by connection: a time
   std::size_t to_handle_ = 0;
-  std::size_t kept_ = 0;  ///< open and inaccessible
+  std::size_t reached_at_ = kNever;  ///< the time at which the plan ends by its goal
+  std::size_t kept_ = 0;             ///< open and inaccessible
 
   // The pieces as they are now. A piece is called after one of its parts.
   std::vector<PartIndex> piece_of_;
@@ -138,6 +169,9 @@ class Replayer {
   std::vector<std::vector<ConnectionIndex>> around_;  ///< by part
   std::vector<unsigned char> reached_;                ///< by part; all 0 between uses
 
+  /// Where the objective looks back: the steps, until all are known.
+  std::vector<KeptStep> kept_steps_;
+  std::vector<double> elapsed_;  ///< s before each step, in the order of the plan
   std::vector<double> rewards_;  ///< in the order of the plan
   double magnitude_ = 0;
   double rounding_ = 0;
@@ -171,10 +205,34 @@ void Replayer::find_times() {
       made_.push_back(step);
     }
   }
+  if (problem_.spec().goal) {
+    judge_goal();
+    return;
+  }
   if (made_.size() == to_handle_) return;
   for (ConnectionIndex c = 0; c < connections; ++c) {
     if (to_be_handled(c) && handled_at_[c] == kNever)
       fault({sequence_.size() + 1, made_.size(), c}, Constraint::NotOpen);
+  }
+}
+
+// What the goal asks for must be gone at the end, and, where the plan ends as soon as it is, not
+// before.
+void Replayer::judge_goal() {
+  std::size_t reached = kBeforeAll;  // the time of the step after which the goal holds
+  for (const ConnectionIndex c : problem_.goal()) {
+    reached = std::max(reached, handled_at_[c]);
+    if (handled_at_[c] != kNever) continue;
+    fault({sequence_.size() + 1, made_.size(), c},
+          situation_.inaccessible.contains(c) ? Constraint::Inaccessible : Constraint::NotOpen);
+  }
+  if (!ends_when_reached_) return;
+  reached_at_ = reached;
+  for (const Made& step : made_) {
+    if (step.time > reached) {
+      fault(step, Constraint::Goal);
+      return;
+    }
   }
 }
 
@@ -208,7 +266,9 @@ void Replayer::judge_precedence() {
   bool broken = made_.size() != to_handle_;
   for (const PrecedenceClause& clause : problem_.precedence()) {
     const std::size_t time = handled_at_[clause.connection];
-    const bool stays = !assembly_ && situation_.inaccessible.contains(clause.connection);
+    // What is inaccessible stays, and under a goal what is not taken off.
+    const bool stays = !assembly_ && (situation_.inaccessible.contains(clause.connection) ||
+                                      problem_.spec().goal.has_value());
     if (time == kNever && stays) broken = broken || unsupported(clause, sequence_.size() + 1);
     if (time == kBeforeAll || time == kNever) continue;
     broken =
@@ -341,6 +401,9 @@ Piece Replayer::lone_piece(PartIndex part) const {
   Piece piece;
   piece.mass = data.mass;
   piece.earliest = part;
+  piece.base_parts = problem_.in_base(part) ? 1 : 0;
+  piece.numbers = data.numbers;
+  for (const auto& [name, number] : data.numbers) piece.number_sizes[name] = std::abs(number);
   if (data.position) {
     piece.positions = *data.position;
   } else {
@@ -390,8 +453,10 @@ double Replayer::mass(const Piece& piece) const {
                        : piece.mass;
 }
 
-// The side with fewer parts moves; else the lighter; else the one without the earliest part.
+// What holds a base part stays. Else the side with fewer parts moves; else the lighter; else the
+// one without the earliest part.
 bool Replayer::first_moves(const Piece& a, const Piece& b) const {
+  if ((a.base_parts > 0) != (b.base_parts > 0)) return b.base_parts > 0;
   if (a.parts != b.parts) return a.parts < b.parts;
   const double difference = mass(a) - mass(b);
   if (std::abs(difference) > kSameMass * std::max(mass(a), mass(b))) return difference < 0;
@@ -458,6 +523,8 @@ void Replayer::judge_cut(const Made& step, PartIndex a, PartIndex b) {
     details.amount = subassemblies_;
     fault(step, Constraint::MaxSubassemblies, details);
   }
+  if (limits.grounded) judge_ground(step, pieces_[a], pieces_[b]);
+  if (pieces_[a].base_parts > 0 && pieces_[b].base_parts > 0) return;  // nothing moves
   const Piece& moved = first_moves(pieces_[a], pieces_[b]) ? pieces_[a] : pieces_[b];
   details.amount = moved.parts;
   details.mass = mass(moved);
@@ -469,6 +536,17 @@ void Replayer::judge_cut(const Made& step, PartIndex a, PartIndex b) {
   if (each_blocks_the_other(a, b)) fault(step, Constraint::Blocking);
 }
 
+// Each subassembly that the step leaves holds a base part: the two pieces that a disassembly comes
+// to, or the one that an assembly makes of them.
+bool Replayer::stands(const Piece& a, const Piece& b) const {
+  if (assembly_) return a.base_parts + b.base_parts > 0;
+  return (a.parts == 1 || a.base_parts > 0) && (b.parts == 1 || b.base_parts > 0);
+}
+
+void Replayer::judge_ground(const Made& step, const Piece& a, const Piece& b) {
+  if (!stands(a, b)) fault(step, Constraint::Grounded);
+}
+
 // The parts of both sides, ascending, and their sums in that order, as one would add them up.
 void Replayer::list_sides(Step& step, PartIndex a, PartIndex b, Piece& piece_a,
                           Piece& piece_b) const {
@@ -477,8 +555,22 @@ void Replayer::list_sides(Step& step, PartIndex a, PartIndex b, Piece& piece_a,
     if (piece_of_[part] == b) step.b.push_back(part);
   }
   for (const auto& [parts, piece] : {std::pair{&step.a, &piece_a}, std::pair{&step.b, &piece_b}}) {
-    *piece = Piece{0, 0, {}, 0, parts->front()};
+    *piece = nothing_yet(parts->front());
     for (const PartIndex part : *parts) piece->take_in(lone_piece(part));
+  }
+}
+
+void Replayer::see_numbers(SeenStep& seen, const Piece& moved, const Piece& kept, bool moves) {
+  if (moves) {
+    seen.moved_numbers = moved.numbers;
+    seen.kept_numbers = kept.numbers;
+  } else {
+    Piece both = kept;
+    both.take_in(moved);
+    seen.kept_numbers = both.numbers;
+  }
+  for (const Piece* piece : {&moved, &kept}) {
+    for (const auto& [name, sum] : piece->number_sizes) seen.largest_number_sum += sum;
   }
 }
 
@@ -489,8 +581,9 @@ void Replayer::make(const Made& made) {
   const std::size_t open = to_handle_ - made.place;
   Step step;
   step.connection = made.connection;
+  step.connections = {made.connection};
   step.separates = a != b;
-  step.completes = open == 1;
+  step.completes = open == 1 || made.time == reached_at_;
   step.before = assembly_ ? problem_.num_connections() - open - kept_ : open + kept_;
   step.after = assembly_ ? step.before + 1 : step.before - 1;
   step.subassemblies = subassemblies_;
@@ -500,10 +593,12 @@ void Replayer::make(const Made& made) {
     Piece piece_a = pieces_[a];
     Piece piece_b = pieces_[b];
     if (whole_steps_) list_sides(step, a, b, piece_a, piece_b);
-    step.a_moves = first_moves(piece_a, piece_b);
+    step.both_stay = piece_a.base_parts > 0 && piece_b.base_parts > 0;
+    step.a_moves = step.moves() && first_moves(piece_a, piece_b);
     const Piece& moved = step.a_moves ? piece_a : piece_b;
-    step.moved_mass = mass(moved);
-    step.kept_mass = mass(step.a_moves ? piece_b : piece_a);
+    const Piece& kept = step.a_moves ? piece_b : piece_a;
+    step.moved_mass = step.moves() ? mass(moved) : 0.0;
+    step.kept_mass = step.moves() ? mass(kept) : mass(piece_a) + mass(piece_b);
     if (assembly_) {
       step.subassemblies += 1;
       if (piece_a.parts > 1) --step.subassemblies;
@@ -511,13 +606,17 @@ void Replayer::make(const Made& made) {
     }
     seen.a_parts = piece_a.parts;
     seen.b_parts = piece_b.parts;
-    seen.moved_parts = moved.parts;
-    if (moved.without_position == 0) {
+    see_numbers(seen, moved, kept, step.moves());
+    seen.moved_parts = step.moves() ? moved.parts : 0;
+    if (step.moves() && moved.without_position == 0) {
       const auto parts = static_cast<double>(moved.parts);
       const Vector3& sum = moved.positions;
       seen.moved_centroid = Vector3{sum[0] / parts, sum[1] / parts, sum[2] / parts};
     }
   }
+  seen.duration = problem_.connections()[step.connection].duration;
+  seen.own_numbers = problem_.connections()[step.connection].numbers;
+  seen.elapsed = elapsed_[made.place];
   seen.connection = step.connection;
   seen.before = step.before;
   seen.after = step.after;
@@ -528,6 +627,10 @@ void Replayer::make(const Made& made) {
   seen.kept_mass = step.kept_mass;
   seen.step = &step;
   judge_direction(made, step, a, b);
+  if (looks_back_) {
+    keep_for_later(made, seen, std::move(step), a, b);
+    return;
+  }
   const CheckedReward::Value earned = reward_.of(seen);
   if (!earned.finite && (!unfit_ || made.time < unfit_->first.time)) unfit_ = {made, earned};
   magnitude_ += earned.magnitude;
@@ -535,12 +638,58 @@ void Replayer::make(const Made& made) {
   step.reward = earned.reward;
   rewards_[made.place] = earned.reward;
   if (!with_steps_) return;
-  if (step.separates) step.free_directions = step.a_moves ? ways_out(a, b) : ways_out(b, a);
+  if (step.moves()) step.free_directions = step.a_moves ? ways_out(a, b) : ways_out(b, a);
   replay_.steps.push_back(std::move(step));
+}
+
+// What the steps before left behind is known only once all steps are: what they earn is worked out
+// then.
+void Replayer::keep_for_later(const Made& made, const SeenStep& seen, Step step, PartIndex a,
+                              PartIndex b) {
+  KeptStep& kept = kept_steps_.at(made.place);
+  if (step.moves() && !problem_.directions().empty()) {
+    step.free_directions = step.a_moves ? ways_out(a, b) : ways_out(b, a);
+    const auto stated = directions_.empty() ? std::nullopt : directions_[made.time - 1];
+    kept.ways = stated ? std::vector{*stated} : step.free_directions;
+  }
+  kept.seen = seen;
+  kept.step = std::move(step);
+  kept.seen.step = nullptr;
+  for (const auto& [name, value] : problem_.connections()[made.connection].attributes)
+    kept.seen.attributes[name] = value;
+  kept.seen.place = problem_.place(made.connection);
+}
+
+// The rewards of all steps, where the objective looks back.
+void Replayer::look_back() {
+  const auto values = rewards_looking_back(problem_, reward_, situation_, kept_steps_);
+  for (std::size_t i = 0; i < kept_steps_.size(); ++i) {
+    const CheckedReward::Value& value = values[i];
+    if (!value.finite && !unfit_) unfit_ = {made_[i], value};
+    magnitude_ += value.magnitude;
+    rounding_ += value.rounding;
+    rewards_[i] = value.reward;
+    kept_steps_[i].step.reward = value.reward;
+    if (with_steps_) replay_.steps.push_back(std::move(kept_steps_[i].step));
+  }
+}
+
+void Replayer::add_up_durations() {
+  double seconds = 0;
+  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+    if (!situation_.open.contains(c)) seconds += problem_.connections()[c].duration;
+  }
+  for (const Made& step : made_) {
+    elapsed_.push_back(seconds);
+    seconds += problem_.connections()[step.connection].duration;
+  }
 }
 
 bool Replayer::cut_allowed(const Piece& a, const Piece& b, std::size_t apart) const {
   const Limits& limits = problem_.limits();
+  if (limits.grounded && !stands(a, b)) return false;
+  if (a.base_parts > 0 && b.base_parts > 0)
+    return !limits.max_subassemblies || apart <= *limits.max_subassemblies;
   const Piece& moved = first_moves(a, b) ? a : b;
   return (!limits.max_subassemblies || apart <= *limits.max_subassemblies) &&
          (!limits.max_moved_parts || moved.parts <= *limits.max_moved_parts) &&
@@ -561,7 +710,9 @@ bool Replayer::can_be_handled(ConnectionIndex c, std::size_t time) {
   const PartIndex a = piece_of_[problem_.ends(c)[0]];
   const PartIndex b = piece_of_[problem_.ends(c)[1]];
   if (a == b) return true;
-  return cut_allowed(pieces_[a], pieces_[b], subassemblies_) && !each_blocks_the_other(a, b);
+  const bool moves = pieces_[a].base_parts == 0 || pieces_[b].base_parts == 0;
+  return cut_allowed(pieces_[a], pieces_[b], subassemblies_) &&
+         !(moves && each_blocks_the_other(a, b));
 }
 
 // In disassembly `c` is part of a piece; what hangs together without it is found by walking there.
@@ -582,18 +733,20 @@ bool Replayer::cut_allowed_apart(ConnectionIndex c, std::size_t time) {
   }
   bool allowed = reached_[second] != 0;
   if (!allowed) {
-    Piece a{0, 0, {}, 0, first};
+    Piece a = nothing_yet(first);
     for (const PartIndex part : side) a.take_in(lone_piece(part));
-    Piece b{0, 0, {}, 0, second};
+    Piece b = nothing_yet(second);
     const PartIndex whole = piece_of_[first];
     for (const PartIndex part : members(whole)) {
       if (reached_[part] == 0) b.take_in(lone_piece(part));
     }
     const std::size_t apart =
         subassemblies_ - 1 + (a.parts > 1 ? 1U : 0U) + (b.parts > 1 ? 1U : 0U);
-    allowed = cut_allowed(a, b, apart) && !blocked(side, [&](PartIndex part) {
-                return piece_of_[part] == whole && reached_[part] == 0;
-              });
+    const bool moves = a.base_parts == 0 || b.base_parts == 0;
+    allowed =
+        cut_allowed(a, b, apart) && !(moves && blocked(side, [&](PartIndex part) {
+                                        return piece_of_[part] == whole && reached_[part] == 0;
+                                      }));
   }
   for (const PartIndex part : side) reached_[part] = 0;
   return allowed;
@@ -617,14 +770,29 @@ void Replayer::judge_order(const Made& step) {
   }
 }
 
+// The pieces as they are now each hold a base part, or are single parts.
+void Replayer::judge_ground_now() {
+  if (!problem_.limits().grounded || to_handle_ == 0) return;
+  for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
+    const Piece& piece = pieces_[piece_of_[part]];
+    if (piece.parts == 1 || piece.base_parts > 0) continue;
+    PlanFault details;
+    details.constraint = Constraint::Grounded;
+    details.part = part;
+    replay_.faults.push_back(details);
+    return;
+  }
+}
+
 // Too many subassemblies in the product before it is taken apart, or when it is finished.
 void Replayer::judge_start() {
   const auto limit = problem_.limits().max_subassemblies;
-  if (!limit || to_handle_ == 0) return;
+  if ((!limit && !problem_.limits().grounded) || to_handle_ == 0) return;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
     if (to_be_handled(c)) merge(c);
   }
-  if (subassemblies_ <= *limit) return;
+  if (!assembly_) judge_ground_now();
+  if (!limit || subassemblies_ <= *limit) return;
   PlanFault details;
   details.constraint = Constraint::MaxSubassemblies;
   details.amount = subassemblies_;
@@ -639,7 +807,7 @@ bool Replayer::may_shut_out() const {
       return !list(clause).empty();
     });
   };
-  return limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass ||
+  return limits.any() ||
          std::ranges::any_of(problem_.blockers(), [](const auto& list) { return !list.empty(); }) ||
          (any([](const auto& clause) -> const auto& { return clause.after_any; }) &&
           any([](const auto& clause) -> const auto& { return clause.made_after_any; }));
@@ -663,11 +831,14 @@ PlanReplay Replayer::run() {
     reached_.assign(problem_.num_parts(), 0);
   }
   rewards_.resize(made_.size());
+  if (looks_back_) kept_steps_.resize(made_.size());
   // What is there in every state of the plan.
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
     if (handled_at_[c] == (assembly_ ? kBeforeAll : kNever)) merge(c);
   }
+  add_up_durations();
   if (assembly_) {
+    judge_ground_now();
     for (const Made& step : made_) {
       judge_order(step);
       make(step);
@@ -679,9 +850,10 @@ PlanReplay Replayer::run() {
       merge(step->connection);
       judge_order(*step);
     }
-    std::ranges::reverse(replay_.steps);
+    std::ranges::reverse(replay_.steps);  // empty as yet where the objective looks back
   }
   judge_start();
+  if (looks_back_) look_back();
   if (unfit_) {
     const auto& [step, value] = *unfit_;
     const std::size_t open = to_handle_ - step.place + kept_;
@@ -707,6 +879,28 @@ PlanReplay replay(const Problem& problem, const Situation& situation,
   if (!directions.empty() && directions.size() != sequence.size())
     throw InputError("the plan has " + std::to_string(sequence.size()) + " steps and states " +
                      std::to_string(directions.size()) + " directions");
+  if (problem.spec().action == StepKind::Connection)
+    return Replayer(problem, situation, sequence, with_steps, directions).run();
+  std::vector<PlanStep> steps;
+  for (std::size_t i = 0; i < sequence.size(); ++i)
+    steps.push_back({{sequence[i]}, directions.empty() ? std::nullopt : directions[i]});
+  return replay_parts(problem, situation, steps, with_steps);
+}
+
+PlanReplay replay(const Problem& problem, const Situation& situation,
+                  std::span<const PlanStep> steps, bool with_steps) {
+  situation.require_over(problem.num_connections());
+  if (problem.spec().action == StepKind::Part)
+    return replay_parts(problem, situation, steps, with_steps);
+  std::vector<ConnectionIndex> sequence;
+  std::vector<std::optional<DirectionIndex>> directions;
+  for (const PlanStep& step : steps) {
+    if (step.connections.size() != 1)
+      throw InputError("a step of the plan takes " + std::to_string(step.connections.size()) +
+                       " connections; one is allowed");
+    sequence.push_back(step.connections.front());
+    directions.push_back(step.direction);
+  }
   return Replayer(problem, situation, sequence, with_steps, directions).run();
 }
 

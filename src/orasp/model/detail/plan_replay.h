@@ -20,6 +20,7 @@ struct PlanFault {
   ConnectionIndex other = 0;       ///< the one that stands in the way, or is shut out
   std::size_t amount = 0;          ///< subassemblies, or parts that move
   double mass = 0;                 ///< kg that move
+  PartIndex part = 0;              ///< of a subassembly without base part at the start
 };
 
 /// A direction that a plan states though the moved piece cannot leave in it.
@@ -70,8 +71,14 @@ struct PlanReplay {
 ///            finite, an expression cannot be compiled, the objective is one of
 ///            fleets, the situation is over other connections, or there are directions for another
 ///            number of steps.
+///
+/// Where there is more to steps (TransitionSystem::wide), PlanSteps say what each takes and in
+/// which direction the moved piece leaves. Where an objective looks at directions and none is
+/// stated they are chosen so that the steps earn most.
 [[nodiscard]] PlanReplay replay(const Problem& problem, const Situation& situation,
                                 std::span<const ConnectionIndex> sequence, bool with_steps,
                                 std::span<const std::optional<DirectionIndex>> directions = {});
+[[nodiscard]] PlanReplay replay(const Problem& problem, const Situation& situation,
+                                std::span<const PlanStep> steps, bool with_steps);
 
 }  // namespace orasp::detail

@@ -1,7 +1,10 @@
 #include "orasp/model/detail/rules.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -60,21 +63,26 @@ Rules::Rules(const Problem& problem, const Situation& situation, Walk walk)
   max_moved_mass = limits.max_moved_mass.value_or(kInfinity);
   blocking =
       std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
-  cuts_checked =
-      blocking || limits.max_subassemblies || limits.max_moved_parts || limits.max_moved_mass;
+  cuts_checked = blocking || limits.any();
+  fixed_parts = !problem.base().empty();
+  grounded = limits.grounded;
 
   // Objective.
   kind_of(problem.objective()).add_terms(problem.objective().parameters, 1, totals, terms);
   needs_movement = std::ranges::any_of(
       terms, [](const WeightedTerm& addend) { return !addend.term->sees.counting; });
+  needs_elapsed = std::ranges::any_of(
+      terms, [](const WeightedTerm& addend) { return addend.term->sees.elapsed; });
   size_up_rewards(problem);
   one_counting_term =
       terms.size() == 1 && terms[0].weight == 1 && !needs_movement && !checks_rewards;
-  needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value();
+  needs_sides = needs_movement || blocking || limits.max_moved_mass.has_value() || grounded ||
+                (fixed_parts && limits.max_moved_parts);
   const bool from_both_ends = !made_any.empty() && std::ranges::any_of(any, [](const auto& lists) {
     return !lists.empty();
   });
-  may_shut_out = cuts_checked || from_both_ends;
+  set_wide(problem, situation);
+  may_shut_out = cuts_checked || from_both_ends || by_part;
   set_situation(situation);
 }
 
@@ -116,6 +124,122 @@ void Rules::set_precedence(const Problem& problem) {
       insert(constrained, other);
     }
   }
+}
+
+void Rules::set_wide(const Problem& problem, const Situation& situation) {
+  by_part = problem.spec().action == StepKind::Part;
+  has_goal = problem.spec().goal.has_value();
+  may_stop = has_goal && problem.spec().goal->stop == Goal::Stop::Best;
+  const bool looks_back = std::ranges::any_of(
+      terms, [](const WeightedTerm& addend) { return addend.term->sees.looks_back; });
+  wide = by_part || has_goal || looks_back;
+  if (!wide) return;
+  needs_sides = needs_movement = true;
+  cuts_checked = cuts_checked || by_part;
+  one_counting_term = false;
+  if (has_goal) {
+    goal.assign(words, 0);
+    for (const ConnectionIndex c : problem.goal()) insert(goal, c);
+  }
+  if (!looks_back) return;
+  const auto take_room = [this](std::uint64_t numbers, std::uint64_t& room) {
+    const std::uint64_t stride = room;
+    if (room > std::numeric_limits<std::uint64_t>::max() / std::max<std::uint64_t>(1, numbers))
+      throw InputError(
+          "objective: the attributes that it looks back at have too many values together; the "
+          "numbers of values, multiplied, must stay below 2^64");
+    room *= numbers;
+    return stride;
+  };
+  std::uint64_t room = 1;
+  for (const AttributeValues& attribute : totals.attributes) {
+    context.radix.push_back(attribute.values.size() + 1);
+    context.stride.push_back(take_room(context.radix.back(), room));
+    std::vector<std::uint64_t>& with_value = context.with_value.emplace_back();
+    if (attribute.of_connection.empty()) continue;
+    with_value.assign(words, 0);
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      if (attribute.of_connection[c] != 0) insert(with_value, c);
+    }
+  }
+  context.words = 1;
+  if (!totals.looks_at_places) return;
+  std::map<Vector3, std::uint32_t> number;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    const Vector3 place = problem.place(c).value_or(Vector3{});
+    const auto [entry, is_new] =
+        number.try_emplace(place, static_cast<std::uint32_t>(context.places.size() + 1));
+    if (is_new) context.places.push_back(place);
+    context.place_of.push_back(entry->second);
+  }
+  if (situation.last_place && !number.contains(*situation.last_place))
+    context.places.push_back(*situation.last_place);
+  context.coordinates = by_part;
+  context.place_stride = take_room(by_part ? 2 : context.places.size() + 1, room);
+  if (by_part) context.words += 3;
+}
+
+Rules::Words Rules::start_context(const Situation& situation) const {
+  Words found(context.words, 0);
+  for (std::size_t i = 0; i < totals.attributes.size() && context.words > 0; ++i) {
+    const AttributeValues& attribute = totals.attributes[i];
+    const auto value = situation.in_force.find(attribute.name);
+    if (value == situation.in_force.end()) continue;
+    const auto known = std::ranges::find(attribute.values, value->second);
+    if (known == attribute.values.end())
+      throw InputError("no step has the value " + in_quotes(value->second) + " of " +
+                       in_quotes(attribute.name) + ", which is said to be in force");
+    found[0] +=
+        static_cast<std::uint64_t>(known - attribute.values.begin() + 1) * context.stride[i];
+  }
+  if (context.place_stride == 0 || !situation.last_place) return found;
+  if (!context.coordinates) {
+    const auto place = std::ranges::find(context.places, *situation.last_place);
+    found[0] +=
+        static_cast<std::uint64_t>(place - context.places.begin() + 1) * context.place_stride;
+    return found;
+  }
+  found[0] += context.place_stride;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    found[1 + axis] = std::bit_cast<std::uint64_t>((*situation.last_place)[axis] + 0.0);
+  return found;
+}
+
+bool Rules::state_allowed(SetView open) const {
+  if (after.empty()) return true;
+  const auto is_there = [&](std::size_t w) {
+    return making ? ~(open[w] | kept.view()[w]) : open[w] | kept.view()[w];
+  };
+  for (ConnectionIndex c = 0; c < graph.num_connections(); ++c) {
+    const bool there = (is_there(c / 64) >> (c % 64) & 1U) != 0;
+    if (there) {
+      if (made_any.empty()) continue;
+      for (const Words& list : made_any[c]) {
+        bool held = false;
+        for (std::size_t w = 0; w < words && !held; ++w) {
+          const std::uint64_t self = w == c / 64 ? std::uint64_t{1} << (c % 64) : 0;
+          held = (list[w] & is_there(w) & ~self) != 0;
+        }
+        if (!held) return false;
+      }
+      continue;
+    }
+    // What stays away from an assembly waits for nothing.
+    if (assembly && kept.contains(c) && making) continue;
+    for (std::size_t w = 0; w < words; ++w) {
+      const std::uint64_t self = w == c / 64 ? std::uint64_t{1} << (c % 64) : 0;
+      if ((after[c * words + w] & (is_there(w) | self)) != 0) return false;
+    }
+    for (const Words& list : any[c]) {
+      bool can_go = false;
+      for (std::size_t w = 0; w < words && !can_go; ++w) {
+        const std::uint64_t self = w == c / 64 ? std::uint64_t{1} << (c % 64) : 0;
+        can_go = (list[w] & ~(is_there(w) | self)) != 0;
+      }
+      if (!can_go) return false;
+    }
+  }
+  return true;
 }
 
 void Rules::set_situation(const Situation& situation) {

@@ -23,6 +23,25 @@ enum class Walk {
   Backwards,  ///< of an assembly: from the product that it ends with back to where the work stands
 };
 
+/// How the context of a state is written down: what the steps before left behind, for objectives
+/// that look back.
+struct ContextLayout {
+  /// By attribute (ProblemTotals::attributes): how many numbers it may have in force, and what one
+  /// of them counts in the first word.
+  std::vector<std::uint64_t> radix;
+  std::vector<std::uint64_t> stride;
+  /// By attribute: the connections that have a value; empty for the direction.
+  std::vector<std::vector<std::uint64_t>> with_value;
+  /// Where steps were done: by connection, the number of its place from 1, and the places. Where
+  /// steps handle one connection, the number of the last place stands in the first word; else its
+  /// coordinates stand in three words of their own, after a flag.
+  std::vector<std::uint32_t> place_of;
+  std::vector<Vector3> places;
+  std::uint64_t place_stride = 0;  ///< 0 where no objective looks at places
+  bool coordinates = false;
+  std::size_t words = 0;
+};
+
 /// The problem, arranged for work.
 ///
 /// Precedence. A state is one that precedence allows if what is missing in it could have been taken
@@ -56,6 +75,8 @@ struct Rules {
   std::size_t max_moved_parts = kUnlimited;
   double max_moved_mass = kInfinity;
   bool blocking = false;
+  bool fixed_parts = false;  ///< there is a base
+  bool grounded = false;
 
   ProblemTotals totals;
   std::vector<WeightedTerm> terms;  ///< the addends of the objective
@@ -64,6 +85,14 @@ struct Rules {
   bool needs_movement = false;      ///< the objective looks at which side moves, or at masses
   bool needs_sides = false;         ///< the parts of A and B must be listed
   bool cuts_checked = false;        ///< some constraint judges separations
+  // What makes states and steps wide (TransitionSystem::wide).
+  bool wide = false;
+  bool by_part = false;  ///< StepKind::Part
+  bool has_goal = false;
+  bool may_stop = false;  ///< Goal::Stop::Best
+  Words goal;             ///< the connections that the goal asks to be gone
+  ContextLayout context;
+  bool needs_elapsed = false;  ///< the objective looks at the time that has passed
 
   // Where the work stands (Situation), over the same connections.
   ConnectionSet start;     ///< open and accessible: what is to be handled
@@ -89,6 +118,19 @@ struct Rules {
   /// connections that nothing could put on any more (disassembly), or take off (assembly).
   [[nodiscard]] std::vector<ListOfMany> lists_shut(SetView open, ConnectionIndex c) const;
   void set_precedence(const Problem& problem);
+  void set_wide(const Problem& problem, const Situation& situation);
+  /// The words of the context where the work stands.
+  [[nodiscard]] Words start_context(const Situation& situation) const;
+  /// Whether precedence allows a state, where a step may handle several connections: what is gone
+  /// went with or after all that it had to wait for, and what is there has what it needs.
+  [[nodiscard]] bool state_allowed(SetView open) const;
+  /// Whether the goal holds where these connections are there.
+  [[nodiscard]] bool goal_holds(SetView present) const {
+    for (std::size_t w = 0; w < words; ++w) {
+      if ((goal[w] & present[w]) != 0) return false;
+    }
+    return true;
+  }
   void set_situation(const Situation& situation);
   void size_up_rewards(const Problem& problem);
 };

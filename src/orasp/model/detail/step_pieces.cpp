@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "orasp/model/detail/reward_size.h"
 #include "orasp/model/detail/wording.h"
@@ -17,6 +18,15 @@ bool nearly_equal(double a, double b) {
   return std::abs(a - b) <= kRelativeTolerance * std::max(std::abs(a), std::abs(b));
 }
 
+/// One side moves: which one is set.
+void complete(Movement& movement, const StepFacts& facts, double mass_a, double mass_b) {
+  movement.moves = true;
+  movement.moved_parts = movement.a_moves ? facts.a_parts : facts.b_parts;
+  movement.kept_parts = movement.a_moves ? facts.b_parts : facts.a_parts;
+  movement.moved_mass = movement.a_moves ? mass_a : mass_b;
+  movement.kept_mass = movement.a_moves ? mass_b : mass_a;
+}
+
 }  // namespace
 
 double StepPieces::mass(const Side& side) const {
@@ -26,12 +36,63 @@ double StepPieces::mass(const Side& side) const {
   return sum;
 }
 
-// The side with fewer parts moves; where both have as many, the lighter one; where both weigh the
+bool StepPieces::has_base(const Side& side) const {
+  bool found = false;
+  side.for_each([&](PartIndex part) { found = found || totals.problem.in_base(part); });
+  return found;
+}
+
+double StepPieces::duration(const StepFacts& facts) const {
+  const std::vector<Connection>& connections = totals.problem.connections();
+  if (several.empty()) return connections[facts.connection].duration;
+  double sum = 0;
+  for (const ConnectionIndex c : several) sum += connections[c].duration;
+  return sum;
+}
+
+double StepPieces::number(const StepFacts& facts, const std::string& name) const {
+  const auto of = [&](ConnectionIndex c) {
+    const auto& stated = totals.problem.connections()[c].numbers;
+    const auto found = stated.find(name);
+    return found == stated.end() ? 0.0 : found->second;
+  };
+  if (several.empty()) return of(facts.connection);
+  double sum = 0;
+  for (const ConnectionIndex c : several) sum += of(c);
+  return sum;
+}
+
+double StepPieces::sum(const Side& side, const std::string& number) const {
+  double sum = 0;
+  side.for_each([&](PartIndex part) {
+    const auto& numbers = totals.problem.parts()[part].numbers;
+    const auto stated = numbers.find(number);
+    if (stated != numbers.end()) sum += stated->second;
+  });
+  return sum;
+}
+
+// The side without base part moves, and none where both hold one. Else the side with fewer parts
+// moves; where both have as many, the lighter one; where both weigh the
 // same, the one that does not hold the earliest listed of their parts.
 Movement StepPieces::movement(const StepFacts& facts) const {
   Movement result;
   const double mass_a = mass(a);
   const double mass_b = mass(b);
+  if (!totals.problem.base().empty()) {
+    const bool a_stays = has_base(a);
+    const bool b_stays = has_base(b);
+    if (a_stays && b_stays) {
+      result.kept_parts = facts.a_parts + facts.b_parts;
+      result.kept_mass = mass_a + mass_b;
+      return result;
+    }
+    if (a_stays || b_stays) {
+      result.a_moves = b_stays;
+      complete(result, facts, mass_a, mass_b);
+      return result;
+    }
+  }
   if (facts.a_parts != facts.b_parts) {
     result.a_moves = facts.a_parts < facts.b_parts;
   } else if (!nearly_equal(mass_a, mass_b)) {
@@ -43,8 +104,7 @@ Movement StepPieces::movement(const StepFacts& facts) const {
     b.for_each([&](PartIndex part) { first_b = std::min(first_b, part); });
     result.a_moves = first_b < first_a;
   }
-  result.moved_mass = result.a_moves ? mass_a : mass_b;
-  result.kept_mass = result.a_moves ? mass_b : mass_a;
+  complete(result, facts, mass_a, mass_b);
   return result;
 }
 
@@ -68,13 +128,21 @@ std::optional<double> StepPieces::distance(bool a_moves, const Vector3& depot) c
 Step StepPieces::full_step(const StepFacts& facts) const {
   Step step;
   step.connection = facts.connection;
+  step.connections = {facts.connection};
+  if (!several.empty()) step.connections.assign(several.begin(), several.end());
   step.before = facts.before;
   step.after = facts.after;
   step.separates = facts.separates;
   step.completes = facts.completes;
   step.subassemblies = totals.assembly ? facts.subassemblies_joined : facts.subassemblies_apart;
   if (!facts.separates) return step;
-  const Movement moved = movement(facts);
+  Movement moved = movement(facts);
+  if (!several.empty()) {
+    // A is what moves, whatever its size.
+    if (!moved.a_moves) std::swap(moved.moved_mass, moved.kept_mass);
+    moved.moves = moved.a_moves = true;
+  }
+  step.both_stay = !moved.moves;
   step.a_moves = moved.a_moves;
   step.moved_mass = moved.moved_mass;
   step.kept_mass = moved.kept_mass;

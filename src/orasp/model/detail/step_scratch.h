@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "orasp/model/detail/connectivity.h"
@@ -52,6 +53,8 @@ struct Expander::Scratch {
   detail::Connectivity connectivity;
   /// A and B of the step at hand; set by whoever makes its facts, if rules.needs_sides.
   detail::StepPieces pieces;
+  /// Where the objective asks for it: the durations of what is handled in the state at hand.
+  double handled_seconds = 0;
   std::vector<unsigned char> mark;       ///< by part; all 0 between uses
   std::vector<std::uint64_t> free_bits;  ///< directions
   std::vector<PartIndex> fill_a;
@@ -62,6 +65,38 @@ struct Expander::Scratch {
 
   Scratch(const Problem& the_problem, const TransitionSystem::Rules& the_rules,
           const TransitionSystem* any_order);
+
+  // Where rules.wide: the legal actions of the state last expanded, what each takes, and where it
+  // leads.
+  struct Move {
+    std::size_t first = 0;  ///< its connections stand in move_connections from here on
+    std::size_t size = 0;
+    std::optional<DirectionIndex> direction;
+  };
+  std::vector<Action> wide_legal;
+  std::vector<Move> moves;
+  std::vector<ConnectionIndex> move_connections;
+  std::vector<std::uint64_t> move_successors;
+  detail::StepMemory memory;
+  std::vector<std::uint32_t> in_force;
+  std::vector<std::uint32_t> here;
+  std::vector<std::uint64_t> next_open;
+  std::vector<std::uint32_t> rest_sizes;
+  [[nodiscard]] std::span<const Action> wide_actions(SetView state);
+  void connection_moves(SetView open);
+  void part_moves(SetView open);
+  void making_part_moves(SetView open);
+  void offer_part(SetView open, std::span<const PartIndex> moved,
+                  std::span<const std::vector<PartIndex>> rest);
+  void offer_move(SetView open, detail::StepFacts& facts, const detail::Movement& movement,
+                  std::span<const ConnectionIndex> connections);
+  void add_move(const detail::StepFacts& facts, const detail::Movement& movement,
+                std::span<const ConnectionIndex> connections,
+                std::optional<DirectionIndex> direction);
+  void add_stop();
+  void recall(SetView state);
+  void write_successor();
+  [[nodiscard]] std::vector<DirectionIndex> ways_of_moved(const detail::Movement& movement);
 
   [[nodiscard]] SetView present(SetView open);
   [[nodiscard]] std::span<const std::uint64_t> present_of_all(
@@ -78,6 +113,9 @@ struct Expander::Scratch {
   [[nodiscard]] std::vector<DirectionIndex> free_directions_of_moved(
       const detail::StepFacts& facts);
   [[nodiscard]] bool separation_legal(const detail::StepFacts& facts);
+  [[nodiscard]] bool separation_legal_on_base(const detail::StepFacts& facts);
+  [[nodiscard]] bool leaves_grounded(const detail::StepFacts& facts) const;
+  void set_elapsed(SetView open);
   [[nodiscard]] double reward(const detail::StepFacts& facts) const;
   template <class Reward>
   [[nodiscard]] std::span<Action> removals(SetView open, Reward&& reward_of);
@@ -103,6 +141,35 @@ struct Expander::Scratch {
     if (!rules.making) facts.completes = num_open == rules.num_steps;
   } else {
     facts.after = facts.before - 1;
+  }
+  if (rules.needs_elapsed) {
+    facts.elapsed = handled_seconds;
+    // Backwards the state at hand has the connection that is made.
+    if (rules.assembly && !rules.making) facts.elapsed -= problem.connections()[c].duration;
+  }
+  return facts;
+}
+
+// Where steps take connections away, after connectivity.analyse(): the piece that holds c falls
+// apart into A and B.
+[[gnu::always_inline]] inline detail::StepFacts Expander::Scratch::removal_facts(
+    ConnectionIndex c, std::size_t num_open) {
+  detail::StepFacts facts = counts(c, num_open);
+  const std::uint32_t below = connectivity.below(c);
+  facts.separates = below != 0;
+  facts.subassemblies_joined = connectivity.subassemblies();
+  facts.subassemblies_apart = facts.subassemblies_joined;
+  if (!facts.separates) return facts;
+  const std::uint32_t above = connectivity.piece(c) - below;
+  const bool lower_is_a = connectivity.lower_end(c) == problem.ends(c)[0];
+  facts.a_parts = lower_is_a ? below : above;
+  facts.b_parts = lower_is_a ? above : below;
+  facts.subassemblies_apart += std::size_t{below >= 2} + std::size_t{above >= 2};
+  facts.subassemblies_apart -= 1;
+  if (rules.needs_sides) {
+    pieces.a = connectivity.lower_side(c);
+    pieces.b = connectivity.upper_side(c);
+    if (!lower_is_a) std::swap(pieces.a, pieces.b);
   }
   return facts;
 }

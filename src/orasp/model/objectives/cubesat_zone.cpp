@@ -37,9 +37,14 @@ class CubesatZoneTerm : public ObjectiveTerm {
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const override {
     static_cast<void>(movement);
-    static_cast<void>(pieces);
     const PartIndex part = problem_.ends(facts.connection)[0];
-    const bool whole = facts.a_parts + facts.b_parts == graph_.starting_piece(part);
+    const std::size_t parts = facts.a_parts + facts.b_parts;
+    const bool whole = parts == graph_.starting_piece(part);
+    if (!pieces.rest_sizes.empty() && !facts.completes) {
+      double spent = zone_cost(facts.a_parts, parts, whole);
+      for (const std::uint32_t rest : pieces.rest_sizes) spent += zone_cost(rest, parts, whole);
+      return 0.0 - spent;
+    }
     return size_reward(facts.a_parts, facts.b_parts, facts.completes, whole);
   }
   [[nodiscard]] double size_reward(std::size_t a, std::size_t b, bool completes,
@@ -55,6 +60,10 @@ class CubesatZoneTerm : public ObjectiveTerm {
                                      std::size_t kept) const override {
     return std::max(weight * size_reward(moved, kept, false, false),
                     weight * size_reward(moved, kept, false, true));
+  }
+  [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
+                                             std::size_t second) const override {
+    return greatest_gain(weight, first, second);
   }
 
  private:
@@ -83,7 +92,9 @@ class CubesatZoneKind : public ObjectiveKindOf<CubesatZone> {
         if (size == 2) return 0.0722;
         return size == 3 ? 0.0782 : 0.0;
       };
-      return {0.0 - (cost(step.a_parts) + cost(step.b_parts))};
+      double spent = 0;
+      for (const std::size_t size : step.pieces()) spent += cost(size);
+      return {0.0 - spent};
     };
     return term;
   }

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
+#include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "orasp/model/detail/wording.h"
@@ -19,15 +22,17 @@ using detail::in_quotes;
 /// A formula of sizes alone is looked up in a table of its values up to this many parts (two values
 /// for each pair of sizes).
 constexpr std::size_t kMostPartsInTable = 2048;
-constexpr std::size_t kLongestName = 64;
 
-bool is_identifier(std::string_view name) {
-  const auto letter = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-  };
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  return !name.empty() && name.size() <= kLongestName && letter(name[0]) &&
-         std::ranges::all_of(name, [&](char c) { return letter(c) || digit(c); });
+/// The names of the user's own numbers, as formulas know them.
+std::vector<std::string> own_names(const std::vector<std::string>& numbers) {
+  std::vector<std::string> names;
+  for (const std::string& number : numbers) {
+    for (std::string& name : names_in_formulas(number)) names.push_back(std::move(name));
+  }
+  return names;
+}
+std::vector<std::string> own_names(const detail::ProblemTotals& totals) {
+  return own_names(totals.own_numbers);
 }
 
 /// Formulas cannot be shared between threads, so each has a term of its own.
@@ -36,13 +41,25 @@ class ExpressionTerm : public ObjectiveTerm {
   ExpressionTerm(const Expression& expression, const detail::ProblemTotals& totals)
       : expression_(expression),
         totals_(totals),
-        formula_(expression.compiler(expression.formula, expression.constants)) {
+        formula_(expression.compiler(expression.formula, expression.constants, own_names(totals))),
+        own_(3 * totals.own_numbers.size(), 0.0) {
     const auto uses = [&](std::string_view name) { return formula_->uses(name); };
     sees.calls_out = true;
-    sees.piece_only = !uses("before") && !uses("after") && !uses("subassemblies");
-    sees.gain_by_connection = uses("duration") || uses("index");
+    bool own_of_pieces = false;
+    for (std::size_t i = 0; i < totals.own_numbers.size(); ++i) {
+      const auto names = names_in_formulas(totals.own_numbers[i]);
+      const bool of_connection = uses(names[0]);
+      const bool of_pieces = uses(names[1]) || uses(names[2]);
+      if (of_connection || of_pieces) used_.push_back(i);
+      sees.gain_by_connection = sees.gain_by_connection || of_connection;
+      own_of_pieces = own_of_pieces || of_pieces;
+    }
+    sees.elapsed = uses("elapsed");
+    sees.piece_only = !uses("before") && !uses("after") && !uses("subassemblies") && !sees.elapsed;
+    sees.gain_by_connection = sees.gain_by_connection || uses("duration") || uses("index");
     sees.gain_by_sizes = sees.piece_only && !sees.gain_by_connection && !uses("moved_mass") &&
-                         !uses("kept_mass") && !uses("distance");
+                         !uses("kept_mass") && !uses("distance") && !own_of_pieces &&
+                         totals.moves_by_size;
     sees.counting = sees.gain_by_sizes && totals.problem.num_parts() <= kMostPartsInTable;
   }
 
@@ -60,15 +77,18 @@ class ExpressionTerm : public ObjectiveTerm {
     variables.completes = facts.completes ? 1 : 0;
     variables.subassemblies = static_cast<double>(totals_.assembly ? facts.subassemblies_joined
                                                                    : facts.subassemblies_apart);
-    variables.duration = totals_.problem.connections()[facts.connection].duration;
+    variables.duration = pieces.duration(facts);
     variables.index = facts.connection;
+    variables.elapsed = facts.elapsed;
     if (facts.separates) {
-      variables.moved_parts = std::min(facts.a_parts, facts.b_parts);
-      variables.kept_parts = std::max(facts.a_parts, facts.b_parts);
+      variables.moved_parts = movement.moved_parts;
+      variables.kept_parts = movement.kept_parts;
       variables.moved_mass = movement.moved_mass;
       variables.kept_mass = movement.kept_mass;
-      variables.distance = pieces.distance(movement.a_moves, expression_.depot).value_or(0);
+      if (movement.moves)
+        variables.distance = pieces.distance(movement.a_moves, expression_.depot).value_or(0);
     }
+    if (!used_.empty()) variables.own = own_numbers(facts, movement, pieces);
     return pieces.checked(formula_->value(variables), facts);
   }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
@@ -84,6 +104,23 @@ class ExpressionTerm : public ObjectiveTerm {
   }
 
  private:
+  /// The connection's number of each name, and the sums over the moved and over the kept piece.
+  [[nodiscard]] std::span<const double> own_numbers(const detail::StepFacts& facts,
+                                                    const detail::Movement& movement,
+                                                    const detail::StepPieces& pieces) const {
+    for (const std::size_t i : used_) {
+      const std::string& name = totals_.own_numbers[i];
+      own_[3 * i] = pieces.number(facts, name);
+      own_[3 * i + 1] = own_[3 * i + 2] = 0;
+      if (!facts.separates) continue;
+      const double a = pieces.sum(pieces.a, name);
+      const double b = pieces.sum(pieces.b, name);
+      own_[3 * i + 1] = !movement.moves ? 0.0 : movement.a_moves ? a : b;
+      own_[3 * i + 2] = !movement.moves ? a + b : movement.a_moves ? b : a;
+    }
+    return own_;
+  }
+
   /// From the table, which is a hundred times quicker than the formula.
   [[nodiscard]] double reward_of_sizes(const detail::StepFacts& facts,
                                        const detail::StepPieces& pieces) const {
@@ -106,10 +143,24 @@ class ExpressionTerm : public ObjectiveTerm {
   const Expression& expression_;
   const detail::ProblemTotals& totals_;
   std::unique_ptr<Formula> formula_;
+  std::vector<std::size_t> used_;    ///< those of totals_.own_numbers that the formula names
+  mutable std::vector<double> own_;  ///< three for each of totals_.own_numbers
   /// Of a formula of sizes alone: the values met so far, NaN before; at ((moved + kept)^2 / 4 +
   /// moved) * 2 + completes.
   mutable std::vector<double> table_;
 };
+
+/// The names of all numbers that a problem states, ascending.
+std::vector<std::string> numbers_of(const ProblemSpec& problem) {
+  std::set<std::string> names;
+  for (const Part& part : problem.parts) {
+    for (const auto& number : part.numbers) names.insert(number.first);
+  }
+  for (const Connection& connection : problem.connections) {
+    for (const auto& number : connection.numbers) names.insert(number.first);
+  }
+  return {names.begin(), names.end()};
+}
 
 /// The formula in the check of plans.
 class CheckedFormula {
@@ -117,9 +168,11 @@ class CheckedFormula {
   CheckedFormula(const Expression& expression, const detail::CheckedProblem& problem)
       : expression_(expression),
         problem_(problem),
-        formula_(expression.compiler(expression.formula, expression.constants)),
+        numbers_(numbers_of(problem.problem().spec())),
+        formula_(
+            expression.compiler(expression.formula, expression.constants, own_names(numbers_))),
         measures_(formula_->uses("moved_mass") || formula_->uses("kept_mass") ||
-                  formula_->uses("distance")) {}
+                  formula_->uses("distance") || formula_->uses("elapsed") || uses_own_sums()) {}
 
   detail::CheckedValue operator()(const detail::SeenStep& step) const {
     FormulaVariables seen;
@@ -129,15 +182,23 @@ class CheckedFormula {
     seen.completes = step.completes ? 1 : 0;
     seen.moved_parts = static_cast<double>(step.moved_parts);
     seen.kept_parts = static_cast<double>(step.a_parts + step.b_parts - step.moved_parts);
+    seen.elapsed = step.elapsed;
     seen.moved_mass = step.moved_mass;
     seen.kept_mass = step.kept_mass;
     seen.subassemblies = static_cast<double>(step.subassemblies);
-    seen.duration = problem_.problem().connections()[step.connection].duration;
+    seen.duration = step.duration;
     seen.index = static_cast<double>(step.connection);
+    std::vector<double> own;
+    for (const std::string& name : numbers_) {
+      own.push_back(step.number(name));
+      own.push_back(step.moved_number(name));
+      own.push_back(step.kept_number(name));
+    }
+    seen.own = own;
     if (step.moved_centroid)
       seen.distance = detail::metres_between(*step.moved_centroid, expression_.depot);
     detail::CheckedValue found{formula_->value(seen)};
-    if (measures_ && step.separates) found.rounding = rounding(step, seen, found.reward);
+    if (measures_) found.rounding = rounding(step, seen, found.reward);
     return found;
   }
 
@@ -156,14 +217,28 @@ class CheckedFormula {
       other.moved_mass += sign * share * seen.moved_mass;
       other.kept_mass -= sign * share * seen.kept_mass;
       other.distance = std::max(0.0, seen.distance + sign * metres);
+      other.elapsed += sign * 4 * std::numeric_limits<double>::epsilon() *
+                       static_cast<double>(problem_.problem().num_connections()) * seen.elapsed;
+      std::vector<double> own(seen.own.begin(), seen.own.end());
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        if (i % 3 != 0) own[i] += sign * share * step.largest_number_sum;
+      }
+      other.own = own;
       const double change = std::abs(formula_->value(other) - reward);
       if (std::isfinite(change)) most = std::max(most, change);
     }
     return most;
   }
 
+  [[nodiscard]] bool uses_own_sums() const {
+    return std::ranges::any_of(numbers_, [this](const std::string& name) {
+      return formula_->uses("moved_" + name) || formula_->uses("kept_" + name);
+    });
+  }
+
   const Expression& expression_;
   const detail::CheckedProblem& problem_;
+  std::vector<std::string> numbers_;  ///< their names
   std::shared_ptr<Formula> formula_;
   bool measures_;
 };
@@ -188,11 +263,28 @@ class ExpressionKind : public ObjectiveKindOf<Expression> {
           "no compiler is set; set Expression::compiler to compile_formula of "
           "io/formula_parser.h");
     }
+    // A name that is unknown here may be that of a number which parts or connections state.
     try {
-      (void)expression.compiler(expression.formula, expression.constants);
+      (void)expression.compiler(expression.formula, expression.constants, {});
     } catch (const InputError& error) {
-      fail(error.what());
+      if (!std::string_view(error.what()).starts_with(kUnknownName)) fail(error.what());
     }
+  }
+  void require_of_problem(const Expression& expression, const ProblemSpec& problem,
+                          const std::string& place) const override {
+    try {
+      (void)expression.compiler(expression.formula, expression.constants,
+                                own_names(numbers_of(problem)));
+    } catch (const InputError& error) {
+      throw InputError(detail::at(place + ".formula", error.what()));
+    }
+    if (problem.action == StepKind::Connection) return;
+    const auto formula = expression.compiler(expression.formula, expression.constants,
+                                             own_names(numbers_of(problem)));
+    if (formula->uses("index"))
+      throw InputError(detail::at(place + ".formula",
+                                  "\"index\" is the place of one connection, and with \"action\": "
+                                  "\"part\" a step takes several"));
   }
   [[nodiscard]] std::unique_ptr<const ObjectiveTerm> term(
       const Expression& expression, const detail::ProblemTotals& totals) const override {
@@ -207,13 +299,12 @@ class ExpressionKind : public ObjectiveKindOf<Expression> {
   }
 
   static void check_constant(const std::string& name, double value, const std::string& place) {
-    if (!is_identifier(name)) {
+    if (!is_formula_name(name)) {
       throw InputError(detail::at(place, in_quotes(name) + " is not a name; names are up to " +
-                                             std::to_string(kLongestName) +
+                                             std::to_string(kLongestFormulaName) +
                                              " letters, digits and _, not a digit first"));
     }
-    if (std::ranges::any_of(kFormulaVariables,
-                            [&](const FormulaVariable& v) { return v.name == name; })) {
+    if (is_formula_variable(name)) {
       throw InputError(detail::at(
           place,
           in_quotes(name) + " is a variable of every formula; give the constant another name"));

@@ -17,7 +17,7 @@ class FuelTerm : public ObjectiveTerm {
       : totals_(totals),
         dry_mass_(fuel.dry_mass),
         propellant_(std::expm1(fuel.delta_v / (fuel.isp * kStandardGravity))) {
-    sees.counting = sees.gain_by_sizes = totals.uniform_mass;
+    sees.counting = sees.gain_by_sizes = totals.uniform_mass && totals.moves_by_size;
     sees.piece_only = sees.moving_more_costs_more = true;
   }
 
@@ -26,7 +26,7 @@ class FuelTerm : public ObjectiveTerm {
     static_cast<void>(pieces);
     if (!facts.separates) return 0;
     if (sees.counting) return earned(std::min(facts.a_parts, facts.b_parts) * totals_.part_mass);
-    return earned(movement.moved_mass);
+    return movement.moves ? earned(movement.moved_mass) : 0;
   }
   [[nodiscard]] RewardRange range(const RangeQuestion& question) const override {
     static_cast<void>(question);
@@ -36,6 +36,13 @@ class FuelTerm : public ObjectiveTerm {
                                      std::size_t kept) const override {
     static_cast<void>(kept);
     return weight * earned(weight > 0 ? totals_.lightest[moved] : totals_.heaviest[moved]);
+  }
+  [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
+                                             std::size_t second) const override {
+    static_cast<void>(weight);
+    static_cast<void>(first);
+    static_cast<void>(second);
+    return 0;
   }
   [[nodiscard]] double greatest_gain_of_moving(double weight,
                                                const detail::StepPieces& moved) const override {
@@ -68,7 +75,7 @@ class FuelKind : public ObjectiveKindOf<Fuel> {
     static_cast<void>(problem);
     detail::CheckedTerm term;
     term.value = [&fuel](const detail::SeenStep& step) -> detail::CheckedValue {
-      if (!step.separates) return {0};
+      if (step.moved_parts == 0) return {0};
       // The rocket equation: to end at mass m it burns m (e^(delta v / (g Isp)) - 1). Out empty,
       // back with the moved piece.
       constexpr double kGravity = 9.80665;  // m/s^2, the standard value in a specific impulse

@@ -1,7 +1,9 @@
 #include "orasp/model/objectives/indexed.h"
 
 #include <memory>
+#include <string>
 
+#include "orasp/model/detail/wording.h"
 #include "orasp/model/objectives/objective_kind.h"
 
 namespace orasp {
@@ -27,6 +29,14 @@ class IndexedTerm : public ObjectiveTerm {
 };
 
 class IndexedKind : public ObjectiveKindOf<Indexed> {
+  void require_of_problem(const Indexed& parameters, const ProblemSpec& problem,
+                          const std::string& place) const override {
+    static_cast<void>(parameters);
+    if (problem.action == StepKind::Connection) return;
+    throw InputError(detail::at(place,
+                                "\"indexed\" looks at the place of one connection in the file, and "
+                                "with \"action\": \"part\" a step takes several"));
+  }
   [[nodiscard]] std::unique_ptr<const ObjectiveTerm> term(
       const Indexed& parameters, const detail::ProblemTotals& totals) const override {
     static_cast<void>(parameters);

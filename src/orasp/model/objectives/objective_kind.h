@@ -1,9 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +20,16 @@
 namespace orasp {
 
 enum class NumberRange { Any, NotNegative, AboveZero };
+
+/// What objectives want to know of the steps before the one at hand.
+struct LookBack {
+  std::vector<std::string> attributes{};  ///< each once, in the order in which they are met
+  bool place = false;                     ///< where the step before was done
+
+  void add_attribute(const std::string& name) {
+    if (std::ranges::find(attributes, name) == attributes.end()) attributes.push_back(name);
+  }
+};
 
 /// Walks the parameters of an objective, key by key, in the order in which a file lists them.
 /// Whoever checks, reads or writes objectives derives from it; which member is called says what
@@ -36,6 +47,9 @@ class ParameterVisitor {
   virtual void costs_by_size(std::string_view key, std::map<std::size_t, double>& costs) = 0;
   virtual void constants(std::string_view key, std::map<std::string, double>& constants) = 0;
   virtual void name(std::string_view key, std::string& name) = 0;
+  virtual void optional_name(std::string_view key, std::optional<std::string>& name) = 0;
+  virtual void optional_point(std::string_view key, std::optional<Vector3>& value) = 0;
+  virtual void changes(std::string_view key, std::vector<ChangeCost>& changes) = 0;
   /// A file must state it; whoever reads it sets the compiler.
   virtual void formula(std::string_view key, std::string& text, FormulaCompiler& compiler) = 0;
   /// A file must state them.
@@ -61,9 +75,12 @@ class ObjectiveKind {
                                 ParameterVisitor& visitor) const = 0;
   /// Checks what is not seen from one parameter alone.
   virtual void check(const ObjectiveParameters& parameters, const std::string& place) const = 0;
-  /// Checks that the parts have what the formula looks at.
-  virtual void check_parts(const ObjectiveParameters& parameters, std::span<const Part> parts,
-                           const std::string& place) const = 0;
+  /// Checks that the problem, whose parts and connections are checked already, has what the formula
+  /// looks at.
+  virtual void check_problem(const ObjectiveParameters& parameters, const ProblemSpec& problem,
+                             const std::string& place) const = 0;
+  /// Adds what the formula wants to know of the steps before.
+  virtual void add_look_back(const ObjectiveParameters& parameters, LookBack& look_back) const = 0;
   /// Adds the formula, resolved for one problem, to the addends of the problem's objective. The
   /// terms may refer to the parameters and to `totals`.
   virtual void add_terms(const ObjectiveParameters& parameters, double weight,
@@ -91,9 +108,12 @@ class ObjectiveKindOf : public ObjectiveKind {
   void check(const ObjectiveParameters& parameters, const std::string& place) const final {
     check_whole(std::get<P>(parameters), place);
   }
-  void check_parts(const ObjectiveParameters& parameters, std::span<const Part> parts,
-                   const std::string& place) const final {
-    require_of_parts(std::get<P>(parameters), parts, place);
+  void check_problem(const ObjectiveParameters& parameters, const ProblemSpec& problem,
+                     const std::string& place) const final {
+    require_of_problem(std::get<P>(parameters), problem, place);
+  }
+  void add_look_back(const ObjectiveParameters& parameters, LookBack& look_back) const final {
+    look_back_at(std::get<P>(parameters), look_back);
   }
   void add_terms(const ObjectiveParameters& parameters, double weight,
                  const detail::ProblemTotals& totals,
@@ -116,11 +136,15 @@ class ObjectiveKindOf : public ObjectiveKind {
     static_cast<void>(parameters);
     static_cast<void>(place);
   }
-  virtual void require_of_parts(const P& parameters, std::span<const Part> parts,
-                                const std::string& place) const {
+  virtual void require_of_problem(const P& parameters, const ProblemSpec& problem,
+                                  const std::string& place) const {
     static_cast<void>(parameters);
-    static_cast<void>(parts);
+    static_cast<void>(problem);
     static_cast<void>(place);
+  }
+  virtual void look_back_at(const P& parameters, LookBack& look_back) const {
+    static_cast<void>(parameters);
+    static_cast<void>(look_back);
   }
   virtual void add(const P& parameters, double weight, const detail::ProblemTotals& totals,
                    std::vector<WeightedTerm>& terms) const {

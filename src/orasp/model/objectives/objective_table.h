@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "orasp/model/objectives/callable.h"
+#include "orasp/model/objectives/changeover.h"
 #include "orasp/model/objectives/completion.h"
 #include "orasp/model/objectives/cubesat_zone.h"
 #include "orasp/model/objectives/expression.h"
@@ -14,6 +15,7 @@
 #include "orasp/model/objectives/fuel.h"
 #include "orasp/model/objectives/indexed.h"
 #include "orasp/model/objectives/piece_cost.h"
+#include "orasp/model/objectives/route.h"
 #include "orasp/model/objectives/sum.h"
 #include "orasp/model/objectives/time.h"
 #include "orasp/model/objectives/travel.h"
@@ -23,7 +25,7 @@ namespace orasp {
 /// The parameters of one objective.
 using ObjectiveParameters =
     std::variant<PieceCost, CubesatZone, Indexed, TimeObjective, Travel, Fuel, CompletionObjective,
-                 Expression, Callable, WeightedSum, Makespan, FleetTravel>;
+                 Changeover, Route, Expression, Callable, WeightedSum, Makespan, FleetTravel>;
 
 /// One type of objective: what a file calls it, and who knows all about it.
 struct ObjectiveRow {
@@ -31,6 +33,8 @@ struct ObjectiveRow {
   const ObjectiveKind& (*kind)();
   /// Whether it judges plans of several robots, and none of one.
   bool of_fleet = false;
+  /// Whether it looks at what the steps before left behind.
+  bool looks_back = false;
   /// Whether a file may name it.
   bool in_files = true;
   /// What it has no meaning without, if there is something: "a formula".
@@ -50,6 +54,8 @@ inline constexpr auto kObjectiveRows = std::to_array<ObjectiveRow>({
     {.type = "travel", .kind = travel_kind},
     {.type = "fuel", .kind = fuel_kind},
     {.type = "completion", .kind = completion_kind},
+    {.type = "changeover", .kind = changeover_kind, .looks_back = true, .needs = "an attribute"},
+    {.type = "route", .kind = route_kind, .looks_back = true},
     {.type = "expression", .kind = expression_kind, .needs = "a formula"},
     {.type = "sum", .kind = sum_kind, .needs = "its terms"},
     {.type = "makespan", .kind = makespan_kind, .of_fleet = true},
@@ -84,6 +90,9 @@ constexpr auto types_where(Wanted wanted) {
 /// The types a problem file may name for one robot.
 inline constexpr auto kObjectiveTypes =
     detail::types_where([](const ObjectiveRow& row) { return row.in_files && !row.of_fleet; });
+/// Those of them that judge a step by itself, whatever came before.
+inline constexpr auto kPlainObjectiveTypes = detail::types_where(
+    [](const ObjectiveRow& row) { return row.in_files && !row.of_fleet && !row.looks_back; });
 /// The types that a problem file with `fleet` may name for its robots together.
 inline constexpr auto kFleetObjectiveTypes =
     detail::types_where([](const ObjectiveRow& row) { return row.of_fleet; });

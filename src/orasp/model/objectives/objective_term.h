@@ -3,7 +3,9 @@
 #include <array>
 #include <cassert>
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -37,6 +39,10 @@ struct TermSight {
   bool gain_by_connection = false;
   /// On whether A and B together are a whole starting piece.
   bool starting_pieces = false;
+  /// On how long the steps before took.
+  bool elapsed = false;
+  /// On what the steps before left behind (detail::StepMemory), which is then part of a state.
+  bool looks_back = false;
   /// Foreign code is called, which may fail or yield a number that is not finite.
   bool calls_out = false;
 };
@@ -65,6 +71,15 @@ struct RangeQuestion {
   bool completes = false;
 };
 
+/// What a term that looks back costs: the changes of an attribute, or a way. For bounds.
+struct LookBackCosts {
+  std::size_t attribute = 0;  ///< of ProblemTotals::attributes; where `change` is set
+  /// What coming from one value to another costs, by their numbers (detail::StepMemory).
+  std::function<double(std::size_t from, std::size_t to)> change{};
+  double per_metre = 0;
+  std::optional<Vector3> start{};
+};
+
 /// One addend of an objective, resolved for one problem. Immutable and shared by threads, but for
 /// terms with `for_one_thread`.
 class ObjectiveTerm {
@@ -89,6 +104,10 @@ class ObjectiveTerm {
 
   /// The same as costs by size, if it can be said so.
   [[nodiscard]] virtual const SizeCosts* size_costs() const { return nullptr; }
+  /// If sees.looks_back: its costs.
+  [[nodiscard]] virtual std::optional<LookBackCosts> look_back_costs() const {
+    return std::nullopt;
+  }
   /// If sees.sizes_only: what a step earns that cuts a piece into a and b parts (0 and 0: it
   /// separates nothing).
   [[nodiscard]] virtual double size_reward(std::size_t a, std::size_t b, bool completes,
@@ -105,6 +124,10 @@ class ObjectiveTerm {
     return {-kInfinity, kInfinity};
   }
 
+  /// What each second that a step lasts earns it, beyond what `range` says of a connection without
+  /// duration. For steps that take several connections.
+  [[nodiscard]] virtual double by_second() const { return 0; }
+
   /// If sees.piece_only: the most that a cut gains, times `weight`, whose moved piece has `moved`
   /// parts and whose other has `kept`; infinite where that is not known, exact where
   /// sees.gain_by_sizes.
@@ -113,6 +136,14 @@ class ObjectiveTerm {
     static_cast<void>(weight);
     static_cast<void>(moved);
     static_cast<void>(kept);
+    return kInfinity;
+  }
+  /// The same for a cut between two fixed sides, of so many parts, which moves nothing.
+  [[nodiscard]] virtual double greatest_gain_unmoved(double weight, std::size_t first,
+                                                     std::size_t second) const {
+    static_cast<void>(weight);
+    static_cast<void>(first);
+    static_cast<void>(second);
     return kInfinity;
   }
   /// If sees.piece_only: the most that a cut gains, times `weight`, which moves the side A of
@@ -140,12 +171,20 @@ class SizeCostTerm : public ObjectiveTerm {
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const final {
     static_cast<void>(movement);
-    static_cast<void>(pieces);
+    if (!pieces.rest_sizes.empty() && !facts.completes) {
+      double spent = costs_.base + costs_.costs[facts.a_parts];
+      for (const std::uint32_t parts : pieces.rest_sizes) spent += costs_.costs[parts];
+      return 0.0 - spent;
+    }
     return costs_.reward(facts.a_parts, facts.b_parts, facts.separates, facts.completes);
   }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const final {
     return weight * (costs_.reward(moved, kept, moved != 0, false) - costs_.alone);
+  }
+  [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
+                                             std::size_t second) const final {
+    return greatest_gain(weight, first, second);
   }
 
  protected:

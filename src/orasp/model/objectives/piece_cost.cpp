@@ -55,7 +55,7 @@ class PieceCostKind : public ObjectiveKindOf<PieceCost> {
       if (step.completes) return {cost.completion};
       double spent = cost.operation;
       if (step.separates) {
-        for (const std::size_t parts : {step.a_parts, step.b_parts}) {
+        for (const std::size_t parts : step.pieces()) {
           const auto listed = cost.pieces.find(parts);
           if (listed != cost.pieces.end()) spent += listed->second;
         }

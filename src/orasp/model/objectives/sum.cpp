@@ -1,6 +1,5 @@
 #include "orasp/model/objectives/sum.h"
 
-#include <span>
 #include <string>
 
 #include "orasp/model/objectives/objective_kind.h"
@@ -13,13 +12,17 @@ class SumKind : public ObjectiveKindOf<WeightedSum> {
   void list(WeightedSum& sum, ParameterVisitor& visitor) const override {
     visitor.terms("terms", sum.terms);
   }
-  void require_of_parts(const WeightedSum& sum, std::span<const Part> parts,
-                        const std::string& place) const override {
+  void require_of_problem(const WeightedSum& sum, const ProblemSpec& problem,
+                          const std::string& place) const override {
     for (std::size_t i = 0; i < sum.terms.size(); ++i) {
       const Objective& addend = sum.terms[i].objective;
-      kind_of(addend).check_parts(addend.parameters, parts,
-                                  place + ".terms[" + std::to_string(i) + "]");
+      kind_of(addend).check_problem(addend.parameters, problem,
+                                    place + ".terms[" + std::to_string(i) + "]");
     }
+  }
+  void look_back_at(const WeightedSum& sum, LookBack& look_back) const override {
+    for (const WeightedObjective& addend : sum.terms)
+      kind_of(addend.objective).add_look_back(addend.objective.parameters, look_back);
   }
   void add(const WeightedSum& sum, double weight, const detail::ProblemTotals& totals,
            std::vector<WeightedTerm>& terms) const override {

@@ -12,23 +12,26 @@ namespace {
 class TimeTerm : public ObjectiveTerm {
  public:
   TimeTerm(const TimeObjective& time, const detail::ProblemTotals& totals)
-      : problem_(totals.problem), time_(time), farthest_(totals.farthest(time.depot)) {
+      : time_(time), farthest_(totals.farthest(time.depot)) {
     // Without positions every transfer takes the same time.
-    sees.counting = sees.gain_by_sizes = sees.moving_more_costs_more = totals.no_positions;
+    sees.counting = sees.gain_by_sizes = totals.no_positions && totals.moves_by_size;
+    sees.moving_more_costs_more = totals.no_positions;
     sees.piece_only = true;
   }
 
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const override {
-    const double duration = problem_.connections()[facts.connection].duration;
+    const double duration = pieces.duration(facts);
     if (!facts.separates) return 0.0 - duration;
     if (sees.counting) return earned(duration, std::nullopt);
+    if (!movement.moves) return 0.0 - duration;
     return earned(duration, pieces.distance(movement.a_moves, time_.depot));
   }
   [[nodiscard]] RewardRange range(const RangeQuestion& question) const override {
     const double transfer = std::max(time_.transfer, 2 * farthest_ / time_.speed);
     return {0.0 - question.duration - transfer, 0.0 - question.duration};
   }
+  [[nodiscard]] double by_second() const override { return -1; }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const override {
     static_cast<void>(moved);
@@ -36,6 +39,13 @@ class TimeTerm : public ObjectiveTerm {
     if (sees.counting) return weight * (0.0 - time_.transfer);
     if (weight > 0) return 0;
     return 0.0 - weight * std::max(time_.transfer, 2 * farthest_ / time_.speed);
+  }
+  [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
+                                             std::size_t second) const override {
+    static_cast<void>(weight);
+    static_cast<void>(first);
+    static_cast<void>(second);
+    return 0;
   }
   [[nodiscard]] double greatest_gain_of_moving(double weight,
                                                const detail::StepPieces& moved) const override {
@@ -47,7 +57,6 @@ class TimeTerm : public ObjectiveTerm {
     return 0.0 - (duration + (metres ? 2 * *metres / time_.speed : time_.transfer));
   }
 
-  const Problem& problem_;
   TimeObjective time_;
   double farthest_;
 };
@@ -66,8 +75,8 @@ class TimeKind : public ObjectiveKindOf<TimeObjective> {
                                             const detail::CheckedProblem& problem) const override {
     detail::CheckedTerm term;
     term.value = [&time, &problem](const detail::SeenStep& step) -> detail::CheckedValue {
-      const double duration = problem.problem().connections()[step.connection].duration;
-      if (!step.separates) return {0.0 - duration};
+      const double duration = step.duration;
+      if (step.moved_parts == 0) return {0.0 - duration};
       if (!step.moved_centroid) return {0.0 - (duration + time.transfer)};
       const double metres = detail::metres_between(*step.moved_centroid, time.depot);
       return {0.0 - (duration + 2 * metres / time.speed),

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "orasp/model/detail/wording.h"
@@ -16,14 +15,16 @@ class TravelTerm : public ObjectiveTerm {
   TravelTerm(const Travel& travel, const detail::ProblemTotals& totals)
       : depot_(travel.depot),
         farthest_(totals.farthest(travel.depot)),
-        most_moved_(static_cast<double>(totals.problem.num_parts() / 2)) {
+        most_moved_(static_cast<double>(totals.moves_by_size ? totals.problem.num_parts() / 2
+                                                             : totals.problem.num_parts())) {
     sees.piece_only = true;
   }
 
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const override {
-    if (!facts.separates) return 0;
-    const double moved_parts = std::min(facts.a_parts, facts.b_parts);
+    static_cast<void>(facts);
+    if (!movement.moves) return 0;
+    const double moved_parts = movement.moved_parts;
     const double metres = pieces.distance(movement.a_moves, depot_).value_or(0);
     return 0.0 - moved_parts * metres * metres;
   }
@@ -36,6 +37,13 @@ class TravelTerm : public ObjectiveTerm {
     static_cast<void>(kept);
     const double most = static_cast<double>(moved) * farthest_ * farthest_;
     return weight > 0 ? 0.0 : 0.0 - weight * most;
+  }
+  [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
+                                             std::size_t second) const override {
+    static_cast<void>(weight);
+    static_cast<void>(first);
+    static_cast<void>(second);
+    return 0;
   }
   [[nodiscard]] double greatest_gain_of_moving(double weight,
                                                const detail::StepPieces& moved) const override {
@@ -53,12 +61,12 @@ class TravelKind : public ObjectiveKindOf<Travel> {
   void list(Travel& travel, ParameterVisitor& visitor) const override {
     visitor.point("depot", travel.depot);
   }
-  void require_of_parts(const Travel& travel, std::span<const Part> parts,
-                        const std::string& place) const override {
+  void require_of_problem(const Travel& travel, const ProblemSpec& problem,
+                          const std::string& place) const override {
     static_cast<void>(travel);
     const auto without =
-        std::ranges::find_if(parts, [](const Part& part) { return !part.position; });
-    if (without == parts.end()) return;
+        std::ranges::find_if(problem.parts, [](const Part& part) { return !part.position; });
+    if (without == problem.parts.end()) return;
     throw InputError(detail::at(place, "\"travel\" needs the position of every part, and part " +
                                            detail::in_quotes(without->id) + " has none"));
   }

@@ -35,7 +35,7 @@ std::size_t AndOrSearch<kWords>::mark_wanted_sizes(std::size_t parts, double her
                                                    double& skipped) {
   wanted_.assign(parts / 2 + 1, 0);
   std::size_t largest = 0;
-  const std::size_t most_moved = problem_.limits().max_moved_parts.value_or(parts);
+  const std::size_t most_moved = gains_.most_moved();
   for (std::size_t a = 1; a <= std::min(parts / 2, most_moved); ++a) {
     double least = unknown_loss();
     if (gains_.sizes_known())

@@ -10,7 +10,9 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system)
   const SetView start = system.start().view();
   const auto span = expander.legal_actions(start);
   const std::vector<Action> legal(span.begin(), span.end());
-  for (const auto& [connection, reward] : legal) {
+  for (const Action& action : legal) {
+    const ConnectionIndex connection = action.connection;
+    const double reward = action.reward;
     Step step = expander.step(start, connection);
     double surplus = reward - gains.own(connection);
     if (step.separates) {

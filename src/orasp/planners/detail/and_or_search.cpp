@@ -18,7 +18,8 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
       result_(result),
       bounded_(pieces.gains.sizes_known() || pieces.gains.parts_known()),
       by_sizes_(pieces.system.gain_by_sizes() && pieces.gains.sizes_known() &&
-                !problem_.limits().max_moved_mass && problem_.directions().empty()),
+                !problem_.limits().max_moved_mass && !problem_.limits().grounded &&
+                problem_.directions().empty()),
       by_connection_(pieces.system.gain_by_connection()),
       limited_(problem_.limits().max_subassemblies.has_value()),
       memo_(kWords + 1) {

@@ -87,6 +87,9 @@ ordered_json constraints_json(const Problem& problem) {
     add(Constraint::MaxMovedMass, "limits.max_moved_mass",
         fmt::format("a piece that moves weighs at most {} kg",
                     page_number(*limits.max_moved_mass)));
+  if (limits.grounded)
+    add(Constraint::Grounded, "limits.grounded",
+        "each subassembly holds a base part: " + detail::quoted_list(problem.spec().base, "or"));
   if (const auto& blocking = problem.spec().blocking) {
     for (std::size_t i = 0; i < blocking->blocked.size(); ++i) {
       const Blocked& entry = blocking->blocked[i];

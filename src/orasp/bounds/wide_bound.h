@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "orasp/bounds/bound.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+
+/// A bound where steps and states are wide (TransitionSystem::wide).
+///
+/// Idea.       The objective is a sum, and each kind of term is bounded on its own:
+///             * Terms that look at one step alone: by BoundKind::Best of the same problem without
+///               those that look back, where plans handle everything one by one; else each
+///               connection that must still be handled earns at most its greatest reward, each
+///               other one that or nothing.
+///             * `changeover`: each value of an attribute that must still come is entered at least
+///               once. The cheapest way to enter all of them, from the one in force, is worked out
+///               for every set of up to kMostValues values (Held and Karp 1962); beyond, each is
+///               entered by its cheapest change.
+///             * `route`: the way to the places that must still be visited is at least as long as
+///               the shortest tree that joins them and the place of the last step, under prices of
+///               places that make the tree of the start look like a way (Held and Karp 1970).
+///             What must still come under a goal is what it asks for, and what has to go before
+///             that by `after`.
+/// Guarantee.  Admissible and consistent: each part is the exact answer to a question with fewer
+///             rules, and a step answers a part of it. The bound by values is exact where nothing
+///             rules the order of the steps.
+/// Reference.  Held and Karp (1962), SIAM J. 10(1), 196-210, and (1970), Operations Research 18(6),
+///             1138-1162; Prim (1957), Bell System Technical
+///             Journal 36(6), 1389-1401.
+/// Cost.       O(connections + values * words + places^2) a state.
+/// Limit.      Not known where a step may earn any amount (formulas, functions).
+class WideBound {
+ public:
+  static constexpr std::size_t kMostValues = 12;
+
+  explicit WideBound(const TransitionSystem& system);
+  ~WideBound();
+  WideBound(const WideBound&) = delete;
+  WideBound& operator=(const WideBound&) = delete;
+
+  [[nodiscard]] bool known() const { return known_; }
+  /// The most that a plan can still earn from a state on.
+  [[nodiscard]] double operator()(SetView state);
+
+ private:
+  struct Changes;
+  struct Way;
+  void set_steps(const TransitionSystem& system);
+  void set_terms(const TransitionSystem& system);
+  [[nodiscard]] double of_steps(SetView open);
+  [[nodiscard]] double of_changes(const Changes& changes, SetView state) const;
+  [[nodiscard]] double of_way(const Way& way, SetView state);
+  [[nodiscard]] bool collect_places(SetView open);
+  [[nodiscard]] double tree(const Way& way, std::uint32_t from);
+  [[nodiscard]] double length_of_way(const Way& way, std::uint32_t from);
+  void set_prices(Way& way);
+  [[nodiscard]] std::uint32_t place_in_force(const Way& way, SetView state) const;
+
+  const TransitionSystem& system_;
+  bool known_ = true;
+  /// The problem without what looks back, and its bound, where that is not wide.
+  std::unique_ptr<const Problem> plain_problem_;
+  std::unique_ptr<const TransitionSystem> plain_system_;
+  std::unique_ptr<Bound> plain_bound_;
+  /// Else: by connection, the most that a step earns for it; of part steps, see of_steps().
+  std::vector<double> greatest_;
+  double last_surplus_ = 0;
+  double most_of_step_ = 0;
+  bool by_part_ = false;
+  bool may_stop_ = false;
+  std::vector<std::uint64_t> must_;  ///< the connections that every plan handles
+  std::vector<Changes> changes_;
+  std::vector<Way> ways_;
+  // Scratch.
+  std::vector<std::uint32_t> places_;
+  std::vector<double> distance_;
+  std::vector<std::uint32_t> nearest_;
+  std::vector<std::uint32_t> degree_;
+  std::uint32_t end_ = 0;
+  std::vector<unsigned char> wanted_;
+};
+
+}  // namespace orasp

@@ -1,0 +1,635 @@
+#include "orasp/planners/detail/wide_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "orasp/bounds/wide_bound.h"
+#include "orasp/containers/growing_array.h"
+#include "orasp/containers/state_table.h"
+#include "orasp/graph/graph_estimate.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
+#include "orasp/planners/planner_support.h"
+#include "orasp/planners/value_iteration.h"
+#include "orasp/task/memory_limit.h"
+
+namespace orasp::detail {
+
+namespace {
+
+using Words = std::vector<std::uint64_t>;
+
+/// Sets the plan of a result to that which goes through these states.
+void take_states(const TransitionSystem& system, const Words& states, Result& result) {
+  take_walk(Expander(system).steps_along(states), result);
+  result.status = Status::Feasible;
+}
+
+/// The states from the start to `last`, by each state's parent in a table.
+template <class Parents>
+Words states_to(const StateTable<0>& table, const Parents& parent, std::uint32_t last,
+                std::size_t words) {
+  std::vector<std::uint32_t> path{last};
+  while (path.back() != 0) path.push_back(parent[path.back()]);
+  Words states;
+  for (auto state = path.rbegin(); state != path.rend(); ++state)
+    states.insert(states.end(), table.key(*state), table.key(*state) + words);
+  return states;
+}
+
+double rounding_of(const TransitionSystem& system, double running) {
+  return 1e-15 * static_cast<double>(system.num_connections()) * std::max(1.0, std::abs(running));
+}
+
+}  // namespace
+
+std::optional<std::string> wide_bound_obstacle(const TransitionSystem& system) {
+  if (WideBound(system).known()) return std::nullopt;
+  return "needs a bound on what steps can earn, and the objective has none here";
+}
+
+// -------------------------------------------------------------------------------------------------
+
+Result wide_a_star(const TransitionSystem& system, const Budget& budget) {
+  constexpr std::uint64_t kPollEvery = 256;
+  if (auto result = infeasible_at_once(system, "a-star")) return *result;
+  WideBound bound(system);
+  if (const auto reason = wide_bound_obstacle(system)) throw Refusal("a-star", *reason);
+  const Stopwatch watch;
+  const std::uint64_t allowed = allowed_bytes(budget);
+  const std::size_t words = system.words();
+  struct Open {
+    double promise;
+    std::uint32_t open;  ///< connections
+    std::uint32_t state;
+    double reward;
+  };
+  // The best on top: the greatest promise, but for rounding, then the fewest open connections.
+  const double all = bound(system.start_state());
+  const double tick = kRewardTolerance * std::max(1.0, std::abs(all));
+  const auto later = [](const Open& a, const Open& b) {
+    if (a.promise != b.promise) return a.promise < b.promise;
+    return a.open != b.open ? a.open > b.open : a.state < b.state;
+  };
+  Expander expander(system);
+  StateTable<0> table(words);
+  GrowingArray<double> reward;
+  GrowingArray<double> rest;
+  GrowingArray<std::uint32_t> parent;
+  std::vector<Open> heap;
+  Result result;
+  result.method = "a-star";
+  Statistics& statistics = result.statistics;
+  const auto meet = [&](const std::uint64_t* key, double running, std::uint32_t from) {
+    const auto [number, is_new] = table.insert(key);
+    if (is_new) {
+      reward.push_back(running);
+      rest.push_back(bound({key, words}));
+      parent.push_back(from);
+    } else {
+      if (running <= reward[number] + rounding_of(system, running)) {
+        ++statistics.pruned;
+        return;
+      }
+      ++statistics.reopened;
+      reward[number] = running;
+      parent[number] = from;
+    }
+    if (rest[number] == -kInfinity) return;
+    heap.push_back({std::floor((running + rest[number]) / tick + 0.5) * tick,
+                    static_cast<std::uint32_t>(count(system.open({key, words}))), number, running});
+    std::ranges::push_heap(heap, later);
+  };
+  const auto bytes = [&] {
+    return table.bytes() + reward.bytes() + rest.bytes() + parent.bytes() +
+           heap.capacity() * sizeof(Open);
+  };
+  meet(system.start_state().data(), 0, 0);
+  Words key(words);
+  Words next(words);
+  result.stop = budget.expired();
+  while (!heap.empty() && result.stop == Stop::None) {
+    std::ranges::pop_heap(heap, later);
+    const Open top = heap.back();
+    heap.pop_back();
+    if (top.reward < reward[top.state]) continue;  // met again by a better way
+    std::copy_n(table.key(top.state), words, key.begin());
+    if (system.ends(key)) {
+      take_states(system, states_to(table, parent, top.state, words), result);
+      result.status = Status::Optimal;
+      result.bound = result.reward;
+      break;
+    }
+    if (++statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
+      result.stop =
+          bytes() > allowed ? Stop::MemoryLimit : budget.expired(bytes(), statistics.expanded);
+      budget.report({.phase = "search", .done = statistics.expanded, .states = table.size()});
+      if (result.stop != Stop::None) {
+        result.bound = top.promise + tick;
+        break;
+      }
+    }
+    for (const Action& action : expander.legal_actions(key)) {
+      ++statistics.generated;
+      expander.successor(key, action, next);
+      meet(next.data(), top.reward + action.reward, top.state);
+    }
+  }
+  statistics.states = table.size();
+  statistics.peak_bytes = bytes();
+  if (result.stop != Stop::None) {
+    const std::optional<double> most = result.bound ? result.bound : std::optional(all);
+    result = stopped_with_quick_plan(system, "a-star", result.stop, statistics);
+    result.bound = most;
+  } else if (result.status != Status::Optimal) {
+    result = exhausted("a-star", statistics);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+// -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// An action not yet followed, and where it leads.
+struct Untried {
+  double reward;
+  double rest;         ///< a bound on what follows
+  std::uint32_t next;  ///< the place of its successor among those of the path
+};
+
+/// The frame of the searches that hold one path and the untried actions of its states.
+class PathSearch {
+ public:
+  explicit PathSearch(const TransitionSystem& system)
+      : system_(system), expander_(system), words_(system.words()) {
+    const SetView start = system.start_state();
+    states_.assign(start.begin(), start.end());
+  }
+
+  /// The states of the path, as Expander::steps_along takes them.
+  [[nodiscard]] const Words& states() const { return states_; }
+  [[nodiscard]] SetView state() const { return SetView(states_).last(words_); }
+  [[nodiscard]] double running() const { return running_.back(); }
+  [[nodiscard]] bool at_end() const { return system_.ends(state()); }
+  /// Whether no state of the path has untried actions, and the path is left.
+  [[nodiscard]] bool over() const { return frames_.empty(); }
+  [[nodiscard]] bool all_tried() const { return untried_.size() == frames_.back().untried; }
+  [[nodiscard]] SetView successor(const Untried& action) const {
+    return SetView(successors_).subspan(action.next * words_, words_);
+  }
+  [[nodiscard]] std::uint64_t bytes() const {
+    return untried_.capacity() * sizeof(Untried) + successors_.capacity() * sizeof(std::uint64_t);
+  }
+
+  /// Lists the actions of the state at the end of the path; `rest(state)` bounds what follows each,
+  /// `order(actions)` puts them into the order in which they are taken, from the back.
+  template <class Rest, class Order>
+  void enter(Rest&& rest, Order&& order) {
+    frames_.push_back({untried_.size(), successors_.size()});
+    for (const Action& action : expander_.legal_actions(state())) {
+      const std::size_t begin = successors_.size();
+      successors_.resize(begin + words_);
+      const std::span<std::uint64_t> next = std::span(successors_).subspan(begin);
+      expander_.successor(state(), action, next);
+      untried_.push_back(
+          {action.reward, rest(SetView(next)), static_cast<std::uint32_t>(begin / words_)});
+    }
+    order(std::span(untried_).subspan(frames_.back().untried));
+  }
+  [[nodiscard]] Untried take() {
+    const Untried action = untried_.back();
+    untried_.pop_back();
+    return action;
+  }
+  void follow(const Untried& action) {
+    running_.push_back(running_.back() + action.reward);
+    const SetView next = successor(action);
+    states_.insert(states_.end(), next.begin(), next.end());
+  }
+  /// Back from a state that was followed to and not entered.
+  void back() {
+    states_.resize(states_.size() - words_);
+    running_.pop_back();
+  }
+  /// Back from a state that was entered.
+  void leave() {
+    successors_.resize(frames_.back().successors);
+    frames_.pop_back();
+    if (!frames_.empty()) back();
+  }
+  /// The most that one of the untried actions of the whole path promises.
+  [[nodiscard]] double most_promised() const {
+    double most = -kInfinity;
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+      const std::size_t end = f + 1 < frames_.size() ? frames_[f + 1].untried : untried_.size();
+      for (std::size_t i = frames_[f].untried; i < end; ++i)
+        most = std::max(most, running_[f] + untried_[i].reward + untried_[i].rest);
+    }
+    return most;
+  }
+
+ private:
+  struct Frame {
+    std::size_t untried;     ///< where the actions of the state begin in untried_
+    std::size_t successors;  ///< where its successors begin in successors_
+  };
+
+  const TransitionSystem& system_;
+  Expander expander_;
+  std::size_t words_;
+  Words states_;
+  std::vector<double> running_{0.0};
+  std::vector<Untried> untried_;
+  std::vector<Frame> frames_;
+  Words successors_;
+};
+
+const auto kNoRest = [](SetView) { return 0.0; };
+
+}  // namespace
+
+Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
+  constexpr std::uint64_t kPollEvery = 256;
+  if (auto result = infeasible_at_once(system, "orasp-search")) return *result;
+  WideBound bound(system);
+  if (!bound.known()) throw Refusal("orasp-search", *wide_bound_obstacle(system));
+  const Stopwatch watch;
+  const std::uint64_t allowed = allowed_bytes(budget);
+  Result result;
+  result.method = "orasp-search";
+  Statistics& statistics = result.statistics;
+  PathSearch search(system);
+  StateTable<0> met(system.words());
+  GrowingArray<double> best;
+  const auto meet = [&](SetView state, double running) {
+    const auto [number, is_new] = met.insert(state.data());
+    if (is_new) {
+      best.push_back(running);
+      return true;
+    }
+    if (running <= best[number] + rounding_of(system, running)) return false;
+    best[number] = running;
+    ++statistics.reopened;
+    return true;
+  };
+  const auto rest = [&](SetView state) { return bound(state); };
+  const auto order = [](std::span<Untried> actions) {
+    std::ranges::stable_sort(actions, [](const Untried& a, const Untried& b) {
+      const double left = std::floor((a.reward + a.rest) / kRewardTolerance + 0.5);
+      const double right = std::floor((b.reward + b.rest) / kRewardTolerance + 0.5);
+      return left != right ? left < right : a.reward < b.reward;
+    });
+  };
+  const auto bytes = [&] { return met.bytes() + best.bytes() + search.bytes(); };
+  const auto arrive = [&] {
+    if (search.at_end()) take_states(system, search.states(), result);
+    search.enter(rest, order);
+    ++statistics.expanded;
+  };
+  meet(system.start_state(), 0);
+  arrive();
+  result.stop = budget.expired(0, statistics.expanded);
+  while (!search.over() && result.stop == Stop::None) {
+    if (search.all_tried()) {
+      search.leave();
+      continue;
+    }
+    const Untried action = search.take();
+    ++statistics.generated;
+    const double running = search.running() + action.reward;
+    if (running + action.rest <= result.reward + kRewardTolerance ||
+        !meet(search.successor(action), running)) {
+      ++statistics.pruned;
+      continue;
+    }
+    search.follow(action);
+    arrive();
+    if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
+      result.stop =
+          bytes() > allowed ? Stop::MemoryLimit : budget.expired(bytes(), statistics.expanded);
+      budget.report({.phase = "search",
+                     .done = statistics.expanded,
+                     .states = met.size(),
+                     .best = result.reward});
+    }
+  }
+  statistics.states = met.size();
+  statistics.peak_bytes = bytes();
+  if (result.stop != Stop::None) {
+    const double most = std::max(result.reward, search.most_promised());
+    if (!result.has_plan())
+      result = stopped_with_quick_plan(system, "orasp-search", result.stop, statistics);
+    result.bound = std::max(most, result.reward);
+  } else if (result.has_plan()) {
+    result.status = Status::Optimal;
+    result.bound = result.reward;
+  } else {
+    result = exhausted("orasp-search", statistics);
+  }
+  result.seed = seed;
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+// -------------------------------------------------------------------------------------------------
+
+Result wide_exhaustive(const TransitionSystem& system, const Budget& budget) {
+  constexpr std::uint64_t kPollEvery = 1024;
+  if (auto result = infeasible_at_once(system, "exhaustive")) return *result;
+  const Stopwatch watch;
+  Result result;
+  result.method = "exhaustive";
+  Statistics& statistics = result.statistics;
+  PathSearch search(system);
+  const auto as_listed = [](std::span<Untried> actions) { std::ranges::reverse(actions); };
+  const auto arrive = [&] {
+    if (search.at_end() && (!result.has_plan() || search.running() > result.reward))
+      take_states(system, search.states(), result);
+    search.enter(kNoRest, as_listed);
+    ++statistics.expanded;
+  };
+  arrive();
+  result.stop = budget.expired(0, statistics.expanded);
+  while (!search.over() && result.stop == Stop::None) {
+    if (search.all_tried()) {
+      search.leave();
+      continue;
+    }
+    search.follow(search.take());
+    ++statistics.generated;
+    arrive();
+    if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
+      result.stop = budget.expired(0, statistics.expanded);
+      budget.report({.phase = "search", .done = statistics.expanded, .best = result.reward});
+    }
+  }
+  if (result.stop == Stop::None && !result.has_plan()) {
+    result = exhausted("exhaustive", statistics);
+  } else if (result.stop == Stop::None) {
+    result.status = Status::Optimal;
+    result.bound = result.reward;
+  } else if (!result.has_plan()) {
+    result = stopped_with_quick_plan(system, "exhaustive", result.stop, statistics);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+// -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Some plan, depth first with a memory of states from which everything failed.
+template <class Rest, class Order>
+Result some_plan(const TransitionSystem& system, const Budget& budget, std::string_view method,
+                 Rest&& rest, Order&& order) {
+  constexpr std::uint64_t kPollEvery = 64;
+  if (auto result = infeasible_at_once(system, method)) return *result;
+  const Stopwatch watch;
+  Result result;
+  result.method = method;
+  Statistics& statistics = result.statistics;
+  PathSearch search(system);
+  StateTable<0> failed(system.words());
+  const auto arrive = [&] {
+    search.enter(rest, order);
+    ++statistics.expanded;
+  };
+  arrive();
+  result.stop = budget.expired(0, statistics.expanded);
+  while (!search.over() && result.stop == Stop::None && !search.at_end()) {
+    if (search.all_tried()) {
+      failed.insert(search.state().data());
+      search.leave();
+      continue;
+    }
+    const Untried action = search.take();
+    if (failed.find(search.successor(action).data()) != StateTable<0>::kAbsent) {
+      ++statistics.pruned;
+      continue;
+    }
+    search.follow(action);
+    ++statistics.generated;
+    arrive();
+    if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery)
+      result.stop = budget.expired(failed.bytes() + search.bytes(), statistics.expanded);
+  }
+  statistics.states = failed.size();
+  statistics.peak_bytes = failed.bytes() + search.bytes();
+  if (!search.over() && search.at_end()) {
+    take_states(system, search.states(), result);
+    result.stop = Stop::None;
+    // Where nothing is to be done, the empty plan is the only one, and so the best.
+    if (system.ends(system.start_state())) {
+      result.status = Status::Optimal;
+      result.bound = 0;
+    }
+  } else if (result.stop == Stop::None) {
+    result = exhausted(method, statistics);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+}  // namespace
+
+Result wide_greedy(const TransitionSystem& system, const Budget& budget) {
+  return some_plan(system, budget, "greedy", kNoRest, [](std::span<Untried> actions) {
+    std::ranges::reverse(actions);
+    std::ranges::stable_sort(actions, {}, &Untried::reward);
+  });
+}
+
+Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
+  // A uniform shuffle (Fisher and Yates 1938; Durstenfeld 1964).
+  SplitMix64 random(seed);
+  Result result = some_plan(system, budget, "random", kNoRest, [&](std::span<Untried> actions) {
+    for (std::size_t left = actions.size(); left > 1; --left)
+      std::swap(actions[left - 1], actions[random.below(left)]);
+  });
+  result.seed = seed;
+  return result;
+}
+
+Result wide_guided_greedy(const TransitionSystem& system, const Budget& budget) {
+  WideBound bound(system);
+  if (!bound.known()) return wide_greedy(system, budget);
+  return some_plan(
+      system, budget, "greedy", [&](SetView state) { return bound(state); },
+      [](std::span<Untried> actions) {
+        std::ranges::reverse(actions);
+        std::ranges::stable_sort(actions, [](const Untried& a, const Untried& b) {
+          return a.reward + a.rest < b.reward + b.rest - kRewardTolerance;
+        });
+      });
+}
+
+// -------------------------------------------------------------------------------------------------
+
+Result wide_beam(const TransitionSystem& system, const Result* incumbent, const Budget& budget) {
+  if (auto result = infeasible_at_once(system, "beam")) return *result;
+  WideBound bound(system);
+  if (!bound.known()) throw Refusal("beam", *wide_bound_obstacle(system));
+  const Stopwatch watch;
+  constexpr std::uint64_t kPollEvery = 256;
+  constexpr std::size_t kFirstWidth = 64;
+  const std::size_t words = system.words();
+  const std::uint64_t allowed = allowed_bytes(budget);
+  Result result;
+  result.method = "beam";
+  if (incumbent != nullptr && incumbent->has_plan()) {
+    result.status = Status::Feasible;
+    result.reward = incumbent->reward;
+    result.sequence = incumbent->sequence;
+    result.steps = incumbent->steps;
+  }
+  Statistics& statistics = result.statistics;
+  const double all = bound(system.start_state());
+  Expander expander(system);
+  Words key(words);
+  Words next(words);
+  struct Node {
+    double promise;
+    std::uint32_t state;
+  };
+  result.stop = budget.expired();
+  double proved = all;
+  for (std::size_t width = kFirstWidth; result.stop == Stop::None; width *= 2) {
+    StateTable<0> table(words);
+    GrowingArray<double> reward;
+    GrowingArray<std::uint32_t> parent;
+    std::vector<std::vector<Node>> layers(system.num_steps() + 1);  // by open connections
+    double dropped = -kInfinity;
+    const auto meet = [&](const Words& state, double running, std::uint32_t from) {
+      const double promise = running + bound(state);
+      if (promise <= result.reward + kRewardTolerance) {
+        ++statistics.pruned;
+        return;
+      }
+      const auto [number, is_new] = table.insert(state.data());
+      if (is_new) {
+        reward.push_back(running);
+        parent.push_back(from);
+        layers[count(system.open(state))].push_back({promise, number});
+      } else if (running > reward[number] + rounding_of(system, running)) {
+        reward[number] = running;
+        parent[number] = from;
+        ++statistics.reopened;
+      } else {
+        ++statistics.pruned;
+      }
+    };
+    const SetView start = system.start_state();
+    meet({start.begin(), start.end()}, 0, 0);
+    for (std::size_t left = system.num_steps(); left > 0 && result.stop == Stop::None; --left) {
+      std::vector<Node>& layer = layers[left];
+      for (Node& node : layer) {
+        std::copy_n(table.key(node.state), words, key.begin());
+        node.promise = reward[node.state] + bound(key);
+      }
+      if (layer.size() > width) {
+        std::ranges::nth_element(layer, layer.begin() + static_cast<std::ptrdiff_t>(width),
+                                 std::ranges::greater{}, &Node::promise);
+        for (std::size_t i = width; i < layer.size(); ++i)
+          dropped = std::max(dropped, layer[i].promise);
+        layer.resize(width);
+      }
+      for (const Node& node : layer) {
+        std::copy_n(table.key(node.state), words, key.begin());
+        for (const Action& action : expander.legal_actions(key)) {
+          expander.successor(key, action, next);
+          ++statistics.generated;
+          meet(next, reward[node.state] + action.reward, node.state);
+        }
+        if (++statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
+          const std::uint64_t bytes =
+              table.bytes() + reward.bytes() + parent.bytes() + table.size() * sizeof(Node);
+          statistics.peak_bytes = std::max(statistics.peak_bytes, bytes);
+          result.stop =
+              bytes > allowed ? Stop::MemoryLimit : budget.expired(bytes, statistics.expanded);
+          budget.report({.phase = "search",
+                         .done = statistics.expanded,
+                         .states = table.size(),
+                         .best = result.reward});
+          if (result.stop != Stop::None) break;
+        }
+      }
+    }
+    statistics.states = std::max<std::uint64_t>(statistics.states, table.size());
+    for (const Node& end : layers[0]) {
+      if (reward[end.state] <= result.reward) continue;
+      take_states(system, states_to(table, parent, end.state, words), result);
+    }
+    if (result.stop != Stop::None) break;
+    // Nothing that was dropped can earn more than this.
+    proved = std::min(proved, std::max(dropped, result.reward));
+    if (dropped <= result.reward + kRewardTolerance) break;
+  }
+  if (result.stop == Stop::None && !result.has_plan()) {
+    result = exhausted("beam", statistics);
+  } else if (result.stop == Stop::None) {
+    result.status = Status::Optimal;
+    result.bound = result.reward;
+  } else {
+    if (!result.has_plan())
+      result = stopped_with_quick_plan(system, "beam", result.stop, statistics);
+    result.bound = std::max(proved, result.reward);
+    if (meets(result.reward, *result.bound)) judge_by(result.bound, result);
+  }
+  result.statistics.seconds = watch.seconds();
+  return result;
+}
+
+// -------------------------------------------------------------------------------------------------
+
+Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
+  if (auto result = infeasible_at_once(system, "auto")) return *result;
+  const Stopwatch watch;
+  const auto answer = [&](Result result, const std::string& how) {
+    result.method = "auto";
+    result.notes.insert(result.notes.begin(), "auto: " + how);
+    result.statistics.seconds = watch.seconds();
+    return result;
+  };
+  const bool bounded = WideBound(system).known();
+  // A plan that meets the bound ends it at once.
+  Result plan = wide_guided_greedy(system, budget);
+  if (plan.status == Status::Infeasible)
+    return answer(std::move(plan), "all orders were looked at");
+  if (bounded && plan.has_plan() && meets(plan.reward, WideBound(system)(system.start_state()))) {
+    judge_by(plan.reward, plan);
+    return answer(std::move(plan), "the plan earns as much as the bound allows");
+  }
+  // Best first, as long as that is quick.
+  double most = kInfinity;
+  if (bounded) {
+    // An expansion bounds up to n states, each by up to n^2 numbers.
+    const auto n = static_cast<double>(system.num_steps());
+    const auto first_look =
+        static_cast<std::uint64_t>(std::clamp(3e8 / (n * n * n + 1), 200.0, 20'000.0));
+    Budget look = budget;
+    look.max_expansions = std::min(budget.max_expansions, first_look);
+    Result found = wide_a_star(system, look);
+    if (found.status == Status::Optimal || found.status == Status::Infeasible)
+      return answer(std::move(found), "a-star, since few states promise enough");
+    if (found.bound) most = *found.bound;
+  }
+  const GraphEstimate estimate = estimate_graph(system);
+  if ((estimate.exact && estimate.bytes <= static_cast<double>(allowed_bytes(budget))) || !bounded)
+    return answer(value_iteration(system, {}, budget),
+                  bounded ? "value-iteration, since the state-action graph is small"
+                          : "value-iteration, since no bound is known for the objective");
+  Result result = wide_beam(system, &plan, budget);
+  if (result.status == Status::Feasible) {
+    result.bound = std::max(result.reward, std::min(result.bound.value_or(kInfinity), most));
+    judge_by(result.bound, result);
+  }
+  return answer(std::move(result), "beam, since the state-action graph is too large to build");
+}
+
+}  // namespace orasp::detail
