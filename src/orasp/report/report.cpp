@@ -193,9 +193,11 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
                           {"total", number_or_null(total[i])},
                           {"back", number_or_null(rest[i])}};
     if (step.separates) {
-      const auto [from, to] = pieces.split(step.moved());
+      // Where both sides are fixed neither goes away; the page draws one of them apart.
+      const std::vector<PartIndex>& off = step.both_stay ? step.a : step.moved();
+      const auto [from, to] = pieces.split(off);
       entry["split"] = {from, to};
-      entry["moved"] = step.moved();
+      entry["moved"] = off;
       if (step.direction) {
         entry["way"] = {problem.direction_name(*step.direction),
                         problem.direction_name(opposite(*step.direction)),
