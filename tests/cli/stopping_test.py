@@ -157,8 +157,8 @@ class Stopping(Case):
                 code = ("import resource, subprocess, sys; code = subprocess.run(sys.argv[1:]).returncode; "
                         "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(code)")
                 done = subprocess.run([sys.executable, "-c", code, PROGRAM, "solve", *words, "--method", method,
-                                       "--memory-limit", str(limit), "--time-limit", "60", "--json", "--quiet"],
-                                      capture_output=True, text=True, timeout=120)
+                                       "--memory-limit", str(limit), "--time-limit", "110", "--json", "--quiet"],
+                                      capture_output=True, text=True, timeout=200)
                 self.assertEqual(done.returncode, 20, done.stderr)
                 plan = json.loads(done.stdout)
                 self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "memory limit"))
