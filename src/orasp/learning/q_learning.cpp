@@ -20,6 +20,22 @@ namespace orasp {
 
 namespace {
 
+/// The position of the entry with the greatest value; each of several is as likely.
+template <typename Entry>
+std::size_t greatest_of(std::span<Entry> entries, SplitMix64& random) {
+  std::size_t chosen = 0;
+  std::uint64_t equal = 0;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (equal == 0 || entries[i].value > entries[chosen].value) {
+      chosen = i;
+      equal = 1;
+    } else if (entries[i].value == entries[chosen].value && random.below(++equal) == 0) {
+      chosen = i;
+    }
+  }
+  return chosen;
+}
+
 class Learner {
  public:
   Learner(const TransitionSystem& system, const QLearningOptions& options, const Budget& budget,
@@ -103,22 +119,6 @@ class Learner {
     return number;
   }
 
-  /// The action with the greatest value; each of several is as likely.
-  std::size_t choose(std::uint32_t state) {
-    const std::span<const Entry> entries = entries_of(state);
-    std::size_t chosen = 0;
-    std::uint64_t equal = 0;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      if (equal == 0 || entries[i].value > entries[chosen].value) {
-        chosen = i;
-        equal = 1;
-      } else if (entries[i].value == entries[chosen].value && random_.below(++equal) == 0) {
-        chosen = i;
-      }
-    }
-    return chosen;
-  }
-
   /// One episode, and what it teaches. False where the budget ended it, or nothing promises a plan.
   bool episode() {
     ConnectionSet state = system_.start();
@@ -133,7 +133,7 @@ class Learner {
         ended = true;
         break;
       }
-      const std::size_t chosen = choose(number);
+      const std::size_t chosen = greatest_of(entries_of(number), random_);
       const Entry& entry = entries_of(number)[chosen];
       path_.push_back({number, chosen});
       ++result_.statistics.generated;
@@ -263,21 +263,6 @@ class WideLearner {
     for (const Entry& entry : entries_of(state)) best = std::max(best, entry.value);
     return best;
   }
-  /// The action with the greatest value; each of several is as likely.
-  std::size_t choose(std::uint32_t state) {
-    const std::span<const Entry> entries = entries_of(state);
-    std::size_t chosen = 0;
-    std::uint64_t equal = 0;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      if (equal == 0 || entries[i].value > entries[chosen].value) {
-        chosen = i;
-        equal = 1;
-      } else if (entries[i].value == entries[chosen].value && random_.below(++equal) == 0) {
-        chosen = i;
-      }
-    }
-    return chosen;
-  }
 
   /// One episode, and what it teaches. False where nothing promises a plan.
   bool episode() {
@@ -286,7 +271,7 @@ class WideLearner {
     std::vector<std::uint64_t> states(key(0).begin(), key(0).end());
     double reward = 0;
     while (!system_.ends(key(state)) && value(state) > -kInfinity) {
-      const std::size_t chosen = choose(state);
+      const std::size_t chosen = greatest_of(entries_of(state), random_);
       path.emplace_back(state, chosen);
       ++result_.statistics.generated;
       reward += entries_of(state)[chosen].reward;
