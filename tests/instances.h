@@ -97,10 +97,13 @@ namespace orasp::instances {
   return spec;
 }
 
-/// Twelve connections of part 1 to itself, free to go in any order, and 1-2, which never can: 4,096
-/// states, none of which leads anywhere, and 12! = 479,001,600 ways to find that out.
+/// Twelve connections of part 1 to itself, free to go in any order, and 1-2 and 2-3, which never
+/// can, since each part is held by the other two: 4,096 states, none of which leads anywhere, and
+/// 12! = 479,001,600 ways to find that out. No two of the parts lock each other.
 [[nodiscard]] inline ProblemSpec hopeless() {
-  ProblemSpec spec = boxed_in();
+  ProblemSpec spec = assembly(3, {{1, 2}, {2, 3}});
+  spec.blocking =
+      Blocking{{"+x", "-x"}, {{"2", "1", {"+x"}}, {"2", "3", {"-x"}}, {"1", "3", {"+x"}}}};
   for (int i = 0; i < 12; ++i) {
     Connection connection;
     connection.id = "loop" + std::to_string(i);

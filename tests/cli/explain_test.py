@@ -99,12 +99,25 @@ class Explain(Case):
 
     def test_what_is_not_decided_is_twenty(self):
         loops = [{"id": f"loop{i}", "parts": ["1", "1"]} for i in range(40)]
-        problem = json.loads(assembly(["1-2"]))
+        problem = json.loads(assembly(["1-2", "2-3"]))
         problem["connections"] += loops
+        # Each part is held by the other two, and no two of them lock each other, which would be seen at once.
         problem["blocking"] = {"directions": ["+x", "-x"],
-                               "blocked": [{"part": "1", "by": "2", "directions": ["+x", "-x"]}]}
+                               "blocked": [{"part": "2", "by": "1", "directions": ["+x"]},
+                                           {"part": "2", "by": "3", "directions": ["-x"]},
+                                           {"part": "1", "by": "3", "directions": ["+x"]}]}
         answer = orasp("explain", "-", "--time-limit", "0.3", "--quiet", stdin=json.dumps(problem))
         self.check(answer, 20, out="not decided whether a plan exists: stopped by the time limit", error=r"\A\Z")
+
+    def test_two_parts_that_lock_each_other_are_named_at_once(self):
+        problem = json.loads(assembly(["1-2"]))
+        problem["connections"] += [{"id": f"loop{i}", "parts": ["1", "1"]} for i in range(40)]
+        problem["blocking"] = {"directions": ["+x", "-x"],
+                               "blocked": [{"part": "1", "by": "2", "directions": ["+x", "-x"]}]}
+        text = json.dumps(problem)
+        self.check(orasp("explain", "-", stdin=text), 10, out='"1" cannot leave "2" along \+x and -x')
+        self.check(orasp("solve", "-", stdin=text), 10,
+                   out='parts "1" and "2" block each other in every direction of blocking.directions')
 
     def test_the_explanation_is_written_too(self):
         path = self.folder / "why.json"

@@ -253,7 +253,8 @@ TEST(ExplainProblem, ClaimsNothingThatIsNotProved) {
   EXPECT_FALSE(found.minimal);
   EXPECT_EQ(stop_name(found.stop), "interrupted");
   EXPECT_EQ(places(found),
-            (std::vector<std::string>{"limits.max_moved_parts", "blocking.blocked[0]"}));
+            (std::vector<std::string>{"limits.max_moved_parts", "blocking.blocked[0]",
+                                      "blocking.blocked[1]", "blocking.blocked[2]"}));
 }
 
 // -------------------------------------------------------------------------------------------------

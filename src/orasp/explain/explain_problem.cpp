@@ -1,6 +1,7 @@
 #include "orasp/explain/explain_problem.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <set>
@@ -78,6 +79,18 @@ std::vector<Atom> atoms_of(const Problem& problem, const ConnectionSet& kept) {
     atoms.push_back({Kind::Inaccessible, c, c});
   });
   return atoms;
+}
+
+/// Leaves only the blocking between two parts.
+void keep_those_between(const Problem& problem, const std::array<PartIndex, 2>& pair,
+                        std::vector<Atom>& atoms) {
+  const std::string& a = problem.part_id(pair[0]);
+  const std::string& b = problem.part_id(pair[1]);
+  std::erase_if(atoms, [&](const Atom& atom) {
+    if (atom.kind != Kind::Blocked) return true;
+    const Blocked& entry = problem.spec().blocking->blocked[atom.entry];
+    return !(entry.part == a && entry.by == b) && !(entry.part == b && entry.by == a);
+  });
 }
 
 /// Joins atoms that stand next to each other to one unit wherever `same(a, b)` holds of the two.
@@ -504,8 +517,12 @@ ProblemExplanation explain_problem(const Problem& problem, const Situation& situ
     // The start alone breaks the limit, so no other constraint is needed for the conflict.
     entries.push_back(Unit{Atom{Kind::Subassemblies}});
   } else {
+    std::vector<Atom> atoms = atoms_of(problem, system.kept());
+    // Two parts that lock each other need no other constraint for the conflict either.
+    if (at_once && at_once->constraint == Constraint::Blocking)
+      keep_those_between(problem, *system.locked_pair(), atoms);
     ConflictFinder finder(system, budget, explanation);
-    entries = conflicting_entries(finder, atoms_of(problem, system.kept()), explanation);
+    entries = conflicting_entries(finder, atoms, explanation);
   }
   for (const Unit& unit : units_of(atoms_in(entries), same_entry))
     explanation.conflict.push_back(described(problem, unit, at_once));

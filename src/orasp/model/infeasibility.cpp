@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -201,13 +203,76 @@ std::optional<Violation> TransitionSystem::ungrounded(SetView present) const {
   return found;
 }
 
+// Two parts are in one piece until one step moves one of them off the other. A step on one
+// connection cuts a piece in two, so any two parts of a piece that come apart count; a step that
+// takes a part off may leave the rest in several pieces that nothing moved, so there only parts
+// that a connection joins do. Pieces that both hold base parts come apart without a motion, and so
+// do those that a failed attempt breaks.
+std::optional<std::array<PartIndex, 2>> TransitionSystem::locked_pair() const {
+  const Rules& rules = *rules_;
+  if (!rules.blocking || rules.has_goal || problem_.uncertain() || problem_.spec().base.size() > 1)
+    return std::nullopt;
+  const auto bits = problem_.direction_bits();
+  std::vector<std::uint64_t> free;
+  // Directions come with their opposites, so what holds one of two parts holds the other.
+  std::vector<std::array<PartIndex, 2>> pairs;
+  for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
+    for (const Blocker& blocker : problem_.blockers()[part]) {
+      if (blocker.by < part) continue;
+      free.assign(bits.begin(), bits.end());
+      if (!problem_.take_out(blocker, free)) pairs.push_back({part, blocker.by});
+    }
+  }
+  if (pairs.empty()) return std::nullopt;
+
+  const auto [first, last] = both_ends();
+  if (rules.by_part) {
+    for (const std::array<PartIndex, 2>& pair : pairs) {
+      for (ConnectionIndex c = 0; c < num_connections(); ++c) {
+        auto ends = problem_.ends(c);
+        std::ranges::sort(ends);
+        if (ends == pair && first.contains(c) && !last.contains(c)) return pair;
+      }
+    }
+    return std::nullopt;
+  }
+  const auto pieces_of = [&](const ConnectionSet& there) {
+    std::vector<PartIndex> piece_of(problem_.num_parts());
+    rules.graph.for_each_piece(there.view(), [&](std::span<const PartIndex> piece) {
+      for (const PartIndex part : piece) piece_of[part] = piece.front();
+    });
+    return piece_of;
+  };
+  const std::vector<PartIndex> before = pieces_of(first);
+  const std::vector<PartIndex> after = pieces_of(last);
+  const auto parted = std::ranges::find_if(pairs, [&](const std::array<PartIndex, 2>& pair) {
+    return before[pair[0]] == before[pair[1]] && after[pair[0]] != after[pair[1]];
+  });
+  return parted == pairs.end() ? std::nullopt : std::optional{*parted};
+}
+
+// In disassembly order: the state at which it begins (in assembly, the one that is the goal), and
+// what it ends with.
+std::array<ConnectionSet, 2> TransitionSystem::both_ends() const {
+  const ConnectionSet none(num_connections());
+  return {present(rules_->making ? none.view() : start().view()),
+          present(rules_->making ? start().view() : none.view())};
+}
+
+Violation TransitionSystem::locked(const std::array<PartIndex, 2>& pair) const {
+  const auto& [a, b] = pair;
+  return {Constraint::Blocking,
+          "blocking",
+          "parts " + detail::in_quotes(problem_.part_id(a)) + " and " +
+              detail::in_quotes(problem_.part_id(b)) +
+              " block each other in every direction of blocking.directions, so that no straight "
+              "motion parts them",
+          {}};
+}
+
 std::optional<Violation> TransitionSystem::infeasibility() const {
   const Rules& rules = *rules_;
-  // In disassembly order: the state at which it begins (in assembly, the one that is the goal), and
-  // what it ends with.
-  const ConnectionSet none(num_connections());
-  const ConnectionSet first = present(rules.making ? none.view() : start().view());
-  const ConnectionSet last = present(rules.making ? start().view() : none.view());
+  const auto [first, last] = both_ends();
   const std::size_t start_pieces = subassemblies(first.view());
   if (num_steps() > 0 && start_pieces > rules.max_subassemblies) {
     return Violation{Constraint::MaxSubassemblies,
@@ -234,6 +299,7 @@ std::optional<Violation> TransitionSystem::infeasibility() const {
                          {}};
     }
   }
+  if (const auto pair = locked_pair()) return locked(*pair);
   // Several connections may go in one step, each at the same time as what it waits for.
   if (rules.by_part) return std::nullopt;
   if (rules.has_goal) {

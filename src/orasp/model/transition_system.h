@@ -212,9 +212,14 @@ class TransitionSystem {
   [[nodiscard]] bool completes_first() const;
 
   /// A reason, found without search, for which no plan exists: the start has more subassemblies
-  /// than allowed, or the precedence can never be met (then the message spells out a cycle). Empty
-  /// if there is none of these.
+  /// than allowed, two parts that must come apart block each other in every direction, or the
+  /// precedence can never be met (then the message spells out a cycle). Empty if there is none of
+  /// these.
   [[nodiscard]] std::optional<Violation> infeasibility() const;
+  /// Two parts of one piece that must come apart and block each other in every direction: no
+  /// single straight motion parts them, whatever else has been taken off. The first such pair.
+  /// O(blockers), and O(parts + connections) where two parts block each other so.
+  [[nodiscard]] std::optional<std::array<PartIndex, 2>> locked_pair() const;
 
   /// What handling `connection` can earn in any state with at most `open` open connections;
   /// `completes` says whether it is the last step. Admissible: no reachable step lies outside.
@@ -260,6 +265,8 @@ class TransitionSystem {
   [[nodiscard]] Violation waits_in_vain(ConnectionIndex connection, ConnectionIndex other,
                                         std::size_t entry, bool to_be_made) const;
   [[nodiscard]] std::optional<Violation> ungrounded(SetView present) const;
+  [[nodiscard]] Violation locked(const std::array<PartIndex, 2>& pair) const;
+  [[nodiscard]] std::array<ConnectionSet, 2> both_ends() const;
 
   const Problem& problem_;
   std::unique_ptr<const Rules> rules_;

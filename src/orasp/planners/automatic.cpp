@@ -13,6 +13,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/dense_value_iteration.h"
+#include "orasp/planners/detail/quick_plan.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
@@ -129,10 +130,11 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   first.max_expansions = std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
 
   // A plan that meets the bound, at any size.
+  if (system.num_connections() > detail::kManyConnections) findings.add(detail::quick_plan(system));
   PieceBound pieces(system, PieceBound::Kind::Both);
   if (pieces.known()) {
     findings.lower(pieces(start.view()));
-    findings.add(plan_at_bound(system, pieces, first));
+    if (!findings.settled()) findings.add(plan_at_bound(system, pieces, first));
     if (findings.settled())
       return findings.answer(Stop::None,
                              "the plan earns as much as the bound on its pieces allows");

@@ -96,6 +96,7 @@ class PartsFirst {
 
 /// `system` takes the problem apart.
 Feasibility search(const TransitionSystem& system, const Budget& budget) {
+  if (system.locked_pair()) return {.status = Status::Infeasible};
   if (system.wide()) {
     Result result = detail::wide_greedy(system, budget);
     Feasibility found;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/quick_plan.h"
 #include "orasp/planners/feasibility.h"
 #include "orasp/planners/greedy.h"
 
@@ -40,8 +41,6 @@ namespace {
 
 /// The seconds that a quick plan may take after a limit has ended a method.
 constexpr double kAtOnce = 0.02;
-/// Up to so many connections a quick plan takes some milliseconds at most, and no limit is needed.
-constexpr std::size_t kSmall = 600;
 
 }  // namespace
 
@@ -82,9 +81,11 @@ Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view 
                                const Statistics& statistics) {
   Budget at_once;
   at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_steps(), 2000);
-  const bool small = system.num_connections() <= kSmall;
+  // A quick plan of few takes some milliseconds at most, and no limit is needed.
+  const bool small = system.num_connections() <= kManyConnections;
   if (!small) at_once.set_time_limit(kAtOnce);
-  Result result = greedy(system, at_once);
+  Result result = small ? greedy(system, at_once) : from_the_end(system, quick_plan);
+  if (!small && !result.has_plan()) result = greedy(system, at_once);
   if (!result.has_plan()) {
     if (!small) at_once.set_time_limit(kAtOnce);
     result = any_plan(system, at_once);
