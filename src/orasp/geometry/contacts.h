@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -9,6 +10,12 @@
 #include "orasp/geometry/cad_model.h"
 
 namespace orasp {
+
+/// What a search throws when `GeometrySettings::stop` asks it to stop.
+class Interrupted : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override { return "interrupted"; }
+};
 
 /// Where two parts cover the same space in the drawing.
 struct MeshOverlap {
@@ -22,7 +29,7 @@ struct Contact {
   enum class Kind : std::uint8_t {
     Touch,     ///< faces that lie on one another
     Fit,       ///< a press fit or a hole filled by its peg: coaxial without clearance, or an overlap ring
-    Fastener,  ///< one of the two is a screw, nut, rivet, pin, ... (by name or by shape)
+    Fastener,  ///< one of the two is a screw, nut, rivet, pin, ... by its name
   };
   std::uint32_t a = 0;  ///< a < b: positions in CadModel::parts
   std::uint32_t b = 0;

@@ -1,0 +1,280 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "orasp/geometry/detail/triangle_tree.h"
+
+namespace orasp::detail {
+
+/// A rectangle across the lines of sight.
+struct Rectangle {
+  double low_u, high_u, low_v, high_v;
+
+  [[nodiscard]] double width() const { return high_u - low_u; }
+  [[nodiscard]] double height() const { return high_v - low_v; }
+};
+
+/// Square cells over a rectangle; the centre of each is a line of sight.
+struct Grid {
+  double low_u = 0.0;
+  double low_v = 0.0;
+  double side = 1.0;
+  int columns = 0;
+  int rows = 0;
+
+  /// The grid of cells of this side that just covers a rectangle, centred on it.
+  [[nodiscard]] static Grid over(const Rectangle& rectangle, double side);
+  [[nodiscard]] std::size_t cells() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+  /// The same rectangle with each cell cut into times x times.
+  [[nodiscard]] Grid finer(int times) const {
+    return {low_u, low_v, side / times, columns * times, rows * times};
+  }
+  [[nodiscard]] double centre_u(int column) const { return low_u + (column + 0.5) * side; }
+  [[nodiscard]] double centre_v(int row) const { return low_v + (row + 0.5) * side; }
+  /// The first column or row whose centre is not below a place, from 0 to the number of them.
+  [[nodiscard]] int first_column(double u) const { return first((u - low_u) / side, columns); }
+  [[nodiscard]] int first_row(double v) const { return first((v - low_v) / side, rows); }
+  /// The cell that holds a place, pressed into the grid.
+  [[nodiscard]] int column_of(double u) const { return cell((u - low_u) / side, columns); }
+  [[nodiscard]] int row_of(double v) const { return cell((v - low_v) / side, rows); }
+
+ private:
+  [[nodiscard]] static int first(double place, int size) {
+    return static_cast<int>(std::ceil(std::clamp(place - 0.5, 0.0, static_cast<double>(size))));
+  }
+  [[nodiscard]] static int cell(double place, int size) {
+    return static_cast<int>(std::clamp(place, 0.0, size - 1.0));
+  }
+};
+
+/// A part as seen along a direction: its vertices in the frame of that direction, w along it.
+struct View {
+  const TriangleTree* tree = nullptr;
+  const std::vector<Vector3>* points = nullptr;  ///< turned, by number of vertex; or none yet
+  Box box;                                       ///< of the turned triangles
+};
+
+/// The triangles of a part whose shadow may reach into a rectangle, found through its tree and
+/// turned.
+void gather(const View& view, const Frame& frame, const Rectangle& rectangle,
+            std::vector<Corners>& triangles);
+
+/// A triangle prepared for sampling: the height over (u, v) is that of its plane, held between the
+/// heights of its corners, so that a steep triangle gives no wild numbers.
+struct Slope {
+  double u, v, w, along_u, along_v, low_w, high_w;
+
+  explicit Slope(const Corners& c, double twice_area) : u(c[0][0]), v(c[0][1]), w(c[0][2]) {
+    const Vector3 p = minus(c[1], c[0]);
+    const Vector3 q = minus(c[2], c[0]);
+    along_u = (p[2] * q[1] - q[2] * p[1]) / twice_area;
+    along_v = (p[0] * q[2] - q[0] * p[2]) / twice_area;
+    low_w = std::min({c[0][2], c[1][2], c[2][2]});
+    high_w = std::max({c[0][2], c[1][2], c[2][2]});
+  }
+  [[nodiscard]] double at(double at_u, double at_v) const {
+    return std::clamp(w + (at_u - u) * along_u + (at_v - v) * along_v, low_w, high_w);
+  }
+};
+
+/// Twice the area of the shadow; positive where the triangle faces along the direction.
+[[nodiscard]] inline double twice_shadow(const Corners& c) {
+  return (c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
+}
+
+/// Where the line at height v meets the outline of a triangle: [low, high). Each edge is walked
+/// from its lower end, so that two triangles at an edge agree on it to the last bit: no line slips
+/// between them or meets both.
+struct Span {
+  double low = 0.0;
+  double high = 0.0;
+};
+[[nodiscard]] inline Span span_at(const Corners& c, double v) {
+  double found[2] = {0, 0};
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 3 && count < 2; ++k) {
+    const Vector3* low = &c[k];
+    const Vector3* high = &c[k == 2 ? 0 : k + 1];
+    if (!((*low)[1] < (*high)[1])) std::swap(low, high);
+    if (v < (*low)[1] || v >= (*high)[1]) continue;
+    found[count++] =
+        (*low)[0] + (v - (*low)[1]) * (((*high)[0] - (*low)[0]) / ((*high)[1] - (*low)[1]));
+  }
+  if (count < 2) return {};
+  return found[0] < found[1] ? Span{found[0], found[1]} : Span{found[1], found[0]};
+}
+
+/// Calls meet(row, first column, end column, slope, up) for each run of lines that a triangle meets.
+template <class Meet>
+void for_runs(const Grid& grid, const Corners& c, Meet&& meet) {
+  const double twice = twice_shadow(c);
+  if (twice == 0 || !std::isfinite(twice)) return;
+  const int begin = grid.first_row(std::min({c[0][1], c[1][1], c[2][1]}));
+  const int end = grid.first_row(std::max({c[0][1], c[1][1], c[2][1]}));
+  if (begin >= end) return;
+  const Slope slope(c, twice);
+  for (int row = begin; row < end; ++row) {
+    const Span span = span_at(c, grid.centre_v(row));
+    const int first = grid.first_column(span.low);
+    const int last = grid.first_column(span.high);
+    if (first < last) meet(row, first, last, slope, twice > 0);
+  }
+}
+
+/// Calls meet(cell, least height, greatest height) for each cell that a triangle reaches into, with
+/// bounds on its heights there. A triangle that stands upright reaches into the cells below it.
+template <class Meet>
+void for_cells(const Grid& grid, const Corners& c, Meet&& meet) {
+  const double twice = twice_shadow(c);
+  const Slope slope(c, twice == 0 ? 1.0 : twice);
+  const double reach = (std::abs(slope.along_u) + std::abs(slope.along_v)) * grid.side / 2;
+  const bool upright = twice == 0 || !std::isfinite(reach);
+  const int begin = grid.row_of(std::min({c[0][1], c[1][1], c[2][1]}));
+  const int end = grid.row_of(std::max({c[0][1], c[1][1], c[2][1]}));
+  for (int row = begin; row <= end; ++row) {
+    const double low_v = grid.low_v + row * grid.side;
+    const double high_v = low_v + grid.side;
+    double low_u = 1e300;
+    double high_u = -1e300;
+    const auto reach_to = [&](double u) {
+      low_u = std::min(low_u, u);
+      high_u = std::max(high_u, u);
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3& p = c[k];
+      const Vector3& q = c[k == 2 ? 0 : k + 1];
+      if (p[1] >= low_v && p[1] <= high_v) reach_to(p[0]);
+      for (const double v : {low_v, high_v}) {
+        if ((p[1] < v) != (q[1] < v)) reach_to(p[0] + (v - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
+      }
+    }
+    if (low_u > high_u || high_u < grid.low_u ||
+        low_u > grid.low_u + grid.side * grid.columns) {
+      continue;
+    }
+    const int last = grid.column_of(high_u);
+    for (int column = grid.column_of(low_u); column <= last; ++column) {
+      double low = slope.low_w;
+      double high = slope.high_w;
+      if (!upright) {
+        const double middle = slope.w + (grid.centre_u(column) - slope.u) * slope.along_u +
+                              (grid.centre_v(row) - slope.v) * slope.along_v;
+        low = std::max(low, std::min(high, middle - reach));
+        high = std::min(high, std::max(low, middle + reach));
+      }
+      meet(static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) +
+               static_cast<std::size_t>(column),
+           low, high);
+    }
+  }
+}
+
+/// No line.
+inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+/// All cells of a grid, one line each.
+class AllCells {
+ public:
+  explicit AllCells(const Grid& grid) : grid_(grid) {}
+
+  [[nodiscard]] const Grid& grid() const { return grid_; }
+  [[nodiscard]] std::size_t lines() const { return grid_.cells(); }
+  [[nodiscard]] int column(std::size_t line) const {
+    return static_cast<int>(line % static_cast<std::size_t>(grid_.columns));
+  }
+  [[nodiscard]] int row(std::size_t line) const {
+    return static_cast<int>(line / static_cast<std::size_t>(grid_.columns));
+  }
+  [[nodiscard]] std::size_t line_at(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns) +
+           static_cast<std::size_t>(column);
+  }
+  template <class Meet>
+  void for_lines(const Corners& c, Meet&& meet) const {
+    for_runs(grid_, c, [&](int row, int first, int last, const Slope& slope, bool up) {
+      const std::size_t base = line_at(0, row);
+      const double v = grid_.centre_v(row);
+      for (int column = first; column < last; ++column) {
+        meet(base + static_cast<std::size_t>(column), slope.at(grid_.centre_u(column), v), up);
+      }
+    });
+  }
+
+ private:
+  Grid grid_;
+};
+
+/// Chosen cells of a grid, each cut into times x times lines, which are numbered cell by cell.
+class FineCells {
+ public:
+  void reset(const Grid& coarse, int times, const std::vector<std::uint8_t>& chosen);
+
+  [[nodiscard]] const Grid& grid() const { return fine_; }
+  [[nodiscard]] std::size_t lines() const { return cells_.size() * per_cell_; }
+  /// Column and row in the fine grid of a line.
+  [[nodiscard]] int column(std::size_t line) const;
+  [[nodiscard]] int row(std::size_t line) const;
+  /// The line of a column and row; kNone where its cell is not chosen.
+  [[nodiscard]] std::size_t line_at(int column, int row) const;
+
+  /// Calls meet(line, height, up) for each line that a triangle meets.
+  template <class Meet>
+  void for_lines(const Corners& c, Meet&& meet) const;
+
+ private:
+  Grid coarse_;
+  Grid fine_;
+  int times_ = 1;
+  std::size_t per_cell_ = 1;
+  std::vector<std::uint32_t> cells_;     // chosen cells, by row and column
+  std::vector<std::uint32_t> row_begin_;  // of each coarse row in cells_
+};
+
+template <class Meet>
+void FineCells::for_lines(const Corners& c, Meet&& meet) const {
+  const double twice = twice_shadow(c);
+  if (twice == 0 || !std::isfinite(twice)) return;
+  const double low_v = std::min({c[0][1], c[1][1], c[2][1]});
+  const double high_v = std::max({c[0][1], c[1][1], c[2][1]});
+  const int begin = fine_.first_row(low_v);
+  const int end = fine_.first_row(high_v);
+  if (begin >= end) return;
+  const int left = fine_.first_column(std::min({c[0][0], c[1][0], c[2][0]})) / times_;
+  const int right = (fine_.first_column(std::max({c[0][0], c[1][0], c[2][0]})) - 1) / times_;
+  const Slope slope(c, twice);
+  const auto columns = static_cast<std::uint32_t>(coarse_.columns);
+  for (int coarse_row = begin / times_; coarse_row <= (end - 1) / times_; ++coarse_row) {
+    const auto* const first = cells_.data() + row_begin_[static_cast<std::size_t>(coarse_row)];
+    const auto* const last = cells_.data() + row_begin_[static_cast<std::size_t>(coarse_row) + 1];
+    const auto base = static_cast<std::uint32_t>(coarse_row) * columns;
+    const auto* const from = std::lower_bound(first, last, base + static_cast<std::uint32_t>(left));
+    if (from == last || *from > base + static_cast<std::uint32_t>(std::max(left, right))) continue;
+    const int row_end = std::min(end, (coarse_row + 1) * times_);
+    for (int row = std::max(begin, coarse_row * times_); row < row_end; ++row) {
+      const double v = fine_.centre_v(row);
+      const Span span = span_at(c, v);
+      const int span_begin = fine_.first_column(span.low);
+      const int span_end = fine_.first_column(span.high);
+      if (span_begin >= span_end) continue;
+      for (const auto* cell = from; cell != last; ++cell) {
+        const int cell_begin = static_cast<int>(*cell - base) * times_;
+        if (cell_begin >= span_end) break;
+        const int run_end = std::min(span_end, cell_begin + times_);
+        const std::size_t row_line = static_cast<std::size_t>(cell - cells_.data()) * per_cell_ +
+                                     static_cast<std::size_t>((row - coarse_row * times_) * times_);
+        for (int column = std::max(span_begin, cell_begin); column < run_end; ++column) {
+          meet(row_line + static_cast<std::size_t>(column - cell_begin),
+               slope.at(fine_.centre_u(column), v), twice > 0);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace orasp::detail

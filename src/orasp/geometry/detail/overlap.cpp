@@ -1,0 +1,176 @@
+#include "orasp/geometry/detail/overlap.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "orasp/geometry/detail/line_intervals.h"
+#include "orasp/geometry/detail/line_raster.h"
+
+namespace orasp::detail {
+namespace {
+
+constexpr double kLines = 9216;      // of the raster along one axis
+constexpr std::size_t kMiddles = 4000;  // places along one axis whose depth is looked at
+
+// A place in the middle of a stretch that both parts cover, and half the length of the stretch.
+struct Middle {
+  Vector3 point;
+  double half;
+};
+
+// What is seen along one axis.
+struct AxisMap {
+  Grid grid;
+  double volume = 0.0;
+  std::size_t lines = 0;  // with something of both
+  std::vector<std::uint8_t> covered;
+  std::vector<Middle> middles;
+};
+
+Vector3 turned_back(const Frame& frame, const Vector3& p) {
+  return plus(times(frame.u, p[0]), plus(times(frame.v, p[1]), times(frame.w, p[2])));
+}
+
+// Adds the stretches that both parts cover on one line.
+void add_line(AxisMap& map, const Frame& frame, std::size_t line, const std::vector<Interval>& a,
+              const std::vector<Interval>& b, double tolerance) {
+  const AllCells cells(map.grid);
+  const double shared = shared_length(a, b);
+  if (shared <= 0) return;
+  ++map.lines;
+  map.volume += shared * map.grid.side * map.grid.side;
+  if (shared > tolerance) map.covered[line] = 1;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const double low = std::max(a[i].low, b[j].low);
+    const double high = std::min(a[i].high, b[j].high);
+    if (high - low > tolerance) {
+      const Vector3 point = {map.grid.centre_u(cells.column(line)),
+                             map.grid.centre_v(cells.row(line)), (low + high) / 2};
+      map.middles.push_back({turned_back(frame, point), (high - low) / 2});
+    }
+    a[i].high < b[j].high ? ++i : ++j;
+  }
+}
+
+AxisMap look_along(std::size_t axis, const PartShape& a, const PartShape& b, const Box& box,
+                   double tolerance) {
+  Vector3 direction{};
+  direction[axis] = 1;
+  const Frame frame = frame_along(direction);
+  const Vector3 low = frame.turned(box.low);
+  const Vector3 high = frame.turned(box.high);
+  const Rectangle shadow = {low[0], high[0], low[1], high[1]};
+  AxisMap map;
+  map.grid = Grid::over(shadow, std::sqrt(shadow.width() * shadow.height() / kLines));
+  const AllCells cells(map.grid);
+  map.covered.assign(cells.lines(), 0);
+  std::array<std::vector<Corners>, 2> triangles;
+  std::vector<std::uint8_t> met(cells.lines(), 0);
+  for (std::size_t part = 0; part < 2; ++part) {
+    const View view = {part == 0 ? &a.tree : &b.tree, nullptr, box};
+    gather(view, frame, shadow, triangles[part]);
+    const auto bit = static_cast<std::uint8_t>(part + 1);
+    for (const Corners& c : triangles[part]) {
+      cells.for_lines(c, [&](std::size_t line, double, bool) {
+        met[line] = static_cast<std::uint8_t>(met[line] | bit);
+      });
+    }
+  }
+  std::vector<std::uint32_t> slots(cells.lines(), Crossings::kNoSlot);
+  std::vector<std::uint32_t> lines;
+  for (std::size_t line = 0; line < cells.lines(); ++line) {
+    if (met[line] != 3) continue;
+    slots[line] = static_cast<std::uint32_t>(lines.size());
+    lines.push_back(static_cast<std::uint32_t>(line));
+  }
+  std::array<Crossings, 2> crossings;
+  crossings[0].collect(cells, triangles[0], slots, lines.size(), a.inside_out);
+  crossings[1].collect(cells, triangles[1], slots, lines.size(), b.inside_out);
+  std::array<std::vector<Interval>, 2> intervals;
+  for (std::size_t slot = 0; slot < lines.size(); ++slot) {
+    for (std::size_t part = 0; part < 2; ++part) crossings[part].intervals(slot, intervals[part]);
+    add_line(map, frame, lines[slot], intervals[0], intervals[1], tolerance);
+  }
+  return map;
+}
+
+// Whether the covered lines run round some that are not: a walk over the others from the border
+// does not come to all of them.
+bool has_hole(const AxisMap& map) {
+  const int columns = map.grid.columns;
+  const int rows = map.grid.rows;
+  std::vector<std::uint8_t> seen = map.covered;
+  std::vector<std::uint32_t> stack;
+  const auto visit = [&](int column, int row) {
+    if (column < 0 || row < 0 || column >= columns || row >= rows) return;
+    const auto cell = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                      static_cast<std::size_t>(column);
+    if (seen[cell] != 0) return;
+    seen[cell] = 1;
+    stack.push_back(static_cast<std::uint32_t>(cell));
+  };
+  for (int column = 0; column < columns; ++column) {
+    visit(column, 0);
+    visit(column, rows - 1);
+  }
+  for (int row = 0; row < rows; ++row) {
+    visit(0, row);
+    visit(columns - 1, row);
+  }
+  while (!stack.empty()) {
+    const auto cell = static_cast<int>(stack.back());
+    stack.pop_back();
+    const int column = cell % columns;
+    const int row = cell / columns;
+    visit(column - 1, row);
+    visit(column + 1, row);
+    visit(column, row - 1);
+    visit(column, row + 1);
+  }
+  // A few lines that slip through a thin place are no hole.
+  const auto enclosed = std::count(seen.begin(), seen.end(), std::uint8_t{0});
+  return enclosed > columns * rows / 50;
+}
+
+}  // namespace
+
+std::optional<FoundOverlap> find_overlap(const PartShape& a, const PartShape& b,
+                                         double tolerance) {
+  if (!a.closed || !b.closed) return std::nullopt;
+  Box box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.low[k] = std::max(a.tree.box(1).low[k], b.tree.box(1).low[k]);
+    box.high[k] = std::min(a.tree.box(1).high[k], b.tree.box(1).high[k]);
+    if (!(box.high[k] - box.low[k] > tolerance)) return std::nullopt;
+  }
+  std::array<AxisMap, 3> maps;
+  double deepest = tolerance / 2;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    maps[axis] = look_along(axis, a, b, box, tolerance);
+    const std::vector<Middle>& middles = maps[axis].middles;
+    const std::size_t step = middles.size() / kMiddles + 1;
+    for (std::size_t i = 0; i < middles.size(); i += step) {
+      if (middles[i].half <= deepest) continue;
+      const double from_a = distance_above(a.tree, middles[i].point, deepest);
+      if (from_a <= deepest) continue;
+      deepest = std::max(deepest, std::min(from_a, distance_above(b.tree, middles[i].point, deepest)));
+    }
+  }
+  if (deepest <= tolerance / 2) return std::nullopt;
+  const auto best = std::max_element(
+      maps.begin(), maps.end(), [](const AxisMap& x, const AxisMap& y) {
+        return static_cast<double>(x.lines) * x.grid.side * x.grid.side * 1.0001 <
+               static_cast<double>(y.lines) * y.grid.side * y.grid.side;
+      });
+  FoundOverlap found;
+  found.overlap.volume = best->volume;
+  found.overlap.thickness = 2 * deepest;
+  found.overlap.share = best->volume / std::min(a.volume, b.volume);
+  found.ring = std::any_of(maps.begin(), maps.end(), has_hole);
+  return found;
+}
+
+}  // namespace orasp::detail

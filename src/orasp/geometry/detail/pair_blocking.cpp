@@ -1,0 +1,198 @@
+#include "orasp/geometry/detail/pair_blocking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace orasp::detail {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kCoarseCells = 4096;   // lines of a first look
+constexpr double kSingleCells = 9216;   // so few fine lines are looked at without a first look
+constexpr double kFineLines = 600'000;  // lines of a second look at most
+constexpr double kFineGrid = 32e6;      // cells of the grid that those are chosen from at most
+
+// The side of the cells of a first look: so that no more than about kCoarseCells cover the
+// rectangle, and a long narrow one still has a few across.
+double coarse_side(const Rectangle& r, double finest) {
+  const double by_area = std::sqrt(r.width() * r.height() / kCoarseCells);
+  const double by_length = std::max(r.width(), r.height()) / 4096;
+  return std::max({finest, by_area, by_length});
+}
+
+}  // namespace
+
+double PairBlocking::beyond(int side, std::size_t line) const {
+  return extremes_[1 - side].last[line] - extremes_[side].first[line];
+}
+
+template <class Cells>
+void PairBlocking::look(const Cells& cells) {
+  for (std::size_t part = 0; part < 2; ++part) {
+    Extremes& extremes = extremes_[part];
+    extremes.first.assign(cells.lines(), kInfinity);
+    extremes.last.assign(cells.lines(), -kInfinity);
+    double* const first = extremes.first.data();
+    double* const last = extremes.last.data();
+    for (const Corners& c : triangles_[part]) {
+      cells.for_lines(c, [=](std::size_t line, double height, bool) {
+        first[line] = std::min(first[line], height);
+        last[line] = std::max(last[line], height);
+      });
+    }
+  }
+}
+
+template <class Cells>
+double PairBlocking::depth_at(const Cells& cells, int side, const WidestPlace& place) const {
+  double depth = 0;
+  const int reach = static_cast<int>(place.radius);
+  for (int row = place.row - reach; row <= place.row + reach; ++row) {
+    for (int column = place.column - reach; column <= place.column + reach; ++column) {
+      const double away = std::hypot(row - place.row, column - place.column);
+      if (away >= place.radius || row < 0 || column < 0 || row >= cells.grid().rows ||
+          column >= cells.grid().columns) {
+        continue;
+      }
+      const std::size_t line = cells.line_at(column, row);
+      if (line != kNone) depth = std::max(depth, beyond(side, line));
+    }
+  }
+  return depth;
+}
+
+// Marks in without_ the lines that stay blocked where one part gives way to the other.
+template <class Cells>
+void PairBlocking::subtract(const Cells& cells, const PairView& pair, int side) {
+  slots_.assign(cells.lines(), Crossings::kNoSlot);
+  lines_.clear();
+  for (std::size_t line = 0; line < cells.lines(); ++line) {
+    if (beyond(side, line) <= pair.tolerance) continue;
+    slots_[line] = static_cast<std::uint32_t>(lines_.size());
+    lines_.push_back(static_cast<std::uint32_t>(line));
+  }
+  crossings_[0].collect(cells, triangles_[0], slots_, lines_.size(), pair.a_inside_out);
+  crossings_[1].collect(cells, triangles_[1], slots_, lines_.size(), pair.b_inside_out);
+  for (CellMask& mask : without_) mask.reset(cells.grid().columns, cells.grid().rows);
+  const auto mover = static_cast<std::size_t>(side);
+  const std::size_t other = 1 - mover;
+  const double sliver = pair.tolerance / 2;
+  for (std::size_t slot = 0; slot < lines_.size(); ++slot) {
+    const std::size_t line = lines_[slot];
+    for (std::size_t part = 0; part < 2; ++part) {
+      crossings_[part].intervals(slot, intervals_[part]);
+    }
+    const int column = cells.column(line);
+    const int row = cells.row(line);
+    const Remains moved = remains(intervals_[mover], intervals_[other], sliver);
+    if (extremes_[other].last[line] - moved.first > pair.tolerance) without_[0].add(column, row);
+    const Remains met = remains(intervals_[other], intervals_[mover], sliver);
+    if (met.last - extremes_[mover].first[line] > pair.tolerance) without_[1].add(column, row);
+  }
+}
+
+// The widest region of lines on which the other part lies beyond the mover. Where it is no wider
+// than `narrowest` cells nobody asks what is left of it after subtraction.
+template <class Cells>
+PairBlocking::Region PairBlocking::judge(const Cells& cells, const PairView& pair, int side,
+                                         double narrowest) {
+  mask_.reset(cells.grid().columns, cells.grid().rows);
+  for (std::size_t line = 0; line < cells.lines(); ++line) {
+    if (beyond(side, line) > pair.tolerance) mask_.add(cells.column(line), cells.row(line));
+  }
+  Region region;
+  region.place = widest_place(mask_);
+  if (pair.overlap && region.place.radius > 0 && 2 * region.place.radius > narrowest) {
+    subtract(cells, pair, side);
+    const WidestPlace one = widest_place(without_[0]);
+    if (one.radius < region.place.radius) region.place = one;
+    const WidestPlace two = widest_place(without_[1]);
+    if (two.radius < region.place.radius) region.place = two;
+  }
+  if (region.place.radius > 0) region.depth = depth_at(cells, side, region.place);
+  return region;
+}
+
+// Chooses the cells in which some of the one part may lie beyond some of the other.
+std::size_t PairBlocking::choose_cells(const Grid& grid, const PairView& pair,
+                                       const bool (&open)[2]) {
+  for (std::size_t part = 0; part < 2; ++part) {
+    low_[part].assign(grid.cells(), kInfinity);
+    high_[part].assign(grid.cells(), -kInfinity);
+    double* const lows = low_[part].data();
+    double* const highs = high_[part].data();
+    for (const Corners& c : triangles_[part]) {
+      for_cells(grid, c, [=](std::size_t cell, double low, double high) {
+        lows[cell] = std::min(lows[cell], low);
+        highs[cell] = std::max(highs[cell], high);
+      });
+    }
+  }
+  chosen_.assign(grid.cells(), 0);
+  std::size_t count = 0;
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    const bool chosen = (open[0] && high_[1][cell] - low_[0][cell] > pair.tolerance) ||
+                        (open[1] && high_[0][cell] - low_[1][cell] > pair.tolerance);
+    chosen_[cell] = chosen ? 1 : 0;
+    count += chosen ? 1U : 0U;
+  }
+  return count;
+}
+
+std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
+  std::array<PairVerdict, 2> verdicts;
+  const Box& a = pair.a->box;
+  const Box& b = pair.b->box;
+  const Rectangle shadow = {std::max(a.low[0], b.low[0]), std::min(a.high[0], b.high[0]),
+                            std::max(a.low[1], b.low[1]), std::min(a.high[1], b.high[1])};
+  bool open[2] = {b.high[2] - a.low[2] > pair.tolerance, a.high[2] - b.low[2] > pair.tolerance};
+  const double narrow = std::min(shadow.width(), shadow.height());
+  if (!(narrow > pair.width_limit) || !std::isfinite(shadow.width() * shadow.height())) {
+    return verdicts;
+  }
+  gather(*pair.a, pair.frame, shadow, triangles_[0]);
+  gather(*pair.b, pair.frame, shadow, triangles_[1]);
+  if (triangles_[0].empty() || triangles_[1].empty()) return verdicts;
+  const double finest = pair.tolerance / 2;
+  const bool single = shadow.width() / finest * (shadow.height() / finest) <= kSingleCells;
+  const AllCells coarse(Grid::over(shadow, single ? finest : coarse_side(shadow, finest)));
+  const double side = coarse.grid().side;
+
+  // How wide the region is between lines: its middle lies a radius from the nearest free line, and
+  // its border on average half a cell before that.
+  const auto settle = [&](std::size_t s, const Region& region, double cell, double doubt) {
+    const double width = (2 * region.place.radius - 0.5) * cell;
+    if (region.place.radius <= 0 || !(width - doubt * cell > pair.width_limit)) return false;
+    verdicts[s] = {true, width, region.depth};
+    return true;
+  };
+  look(coarse);
+  for (std::size_t s = 0; s < 2; ++s) {
+    if (!open[s]) continue;
+    const double doubt = single ? 0.0 : 1.5;
+    const double narrowest = pair.width_limit / side + 0.5 + doubt;
+    const Region region = judge(coarse, pair, static_cast<int>(s), narrowest);
+    open[s] = !settle(s, region, side, doubt) && !single;
+  }
+  if (!open[0] && !open[1]) return verdicts;
+
+  const std::size_t cells = choose_cells(coarse.grid(), pair, open);
+  if (cells == 0) return verdicts;
+  const double times_wanted = std::ceil(side / finest - 1e-9);
+  const double times_most =
+      std::sqrt(std::min(kFineLines / static_cast<double>(cells),
+                         kFineGrid / static_cast<double>(coarse.grid().cells())));
+  const int times = static_cast<int>(std::max(1.0, std::floor(std::min(times_wanted, times_most))));
+  fine_.reset(coarse.grid(), times, chosen_);
+  look(fine_);
+  for (std::size_t s = 0; s < 2; ++s) {
+    if (!open[s]) continue;
+    const double cell = fine_.grid().side;
+    const Region region = judge(fine_, pair, static_cast<int>(s), pair.width_limit / cell + 0.5);
+    settle(s, region, cell, 0.0);
+  }
+  return verdicts;
+}
+
+}  // namespace orasp::detail
