@@ -6,15 +6,17 @@
 namespace orasp::detail {
 
 Grid Grid::over(const Rectangle& rectangle, double side) {
-  const auto cells = [side](double extent) {
-    return static_cast<int>(std::clamp(std::ceil(extent / side - 1e-9), 1.0, 16384.0));
+  constexpr double kShiftU = 0.1374;
+  constexpr double kShiftV = 0.2917;
+  const auto cells = [side](double extent, double shift) {
+    return static_cast<int>(std::clamp(std::ceil(extent / side + shift), 1.0, 16384.0));
   };
   Grid grid;
   grid.side = side;
-  grid.columns = cells(rectangle.width());
-  grid.rows = cells(rectangle.height());
-  grid.low_u = (rectangle.low_u + rectangle.high_u) / 2 - side * grid.columns / 2;
-  grid.low_v = (rectangle.low_v + rectangle.high_v) / 2 - side * grid.rows / 2;
+  grid.columns = cells(rectangle.width(), kShiftU);
+  grid.rows = cells(rectangle.height(), kShiftV);
+  grid.low_u = rectangle.low_u - kShiftU * side;
+  grid.low_v = rectangle.low_v - kShiftV * side;
   return grid;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "orasp/geometry/detail/triangle_tree.h"
@@ -26,7 +27,8 @@ struct Grid {
   int columns = 0;
   int rows = 0;
 
-  /// The grid of cells of this side that just covers a rectangle, centred on it.
+  /// The grid of cells of this side that just covers a rectangle. It begins a crooked share of a
+  /// cell outside, for lines through the middle of a part meet more edges and corners than others.
   [[nodiscard]] static Grid over(const Rectangle& rectangle, double side);
   [[nodiscard]] std::size_t cells() const {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
@@ -65,65 +67,75 @@ struct View {
 void gather(const View& view, const Frame& frame, const Rectangle& rectangle,
             std::vector<Corners>& triangles);
 
+/// Twice the area of the shadow; positive where the triangle faces along the direction.
+[[nodiscard]] inline double twice_shadow(const Corners& c) {
+  return (c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
+}
+
 /// A triangle prepared for sampling: the height over (u, v) is that of its plane, held between the
 /// heights of its corners, so that a steep triangle gives no wild numbers.
 struct Slope {
   double u, v, w, along_u, along_v, low_w, high_w;
 
-  explicit Slope(const Corners& c, double twice_area) : u(c[0][0]), v(c[0][1]), w(c[0][2]) {
+  explicit Slope(const Corners& c) : u(c[0][0]), v(c[0][1]), w(c[0][2]) {
     const Vector3 p = minus(c[1], c[0]);
     const Vector3 q = minus(c[2], c[0]);
-    along_u = (p[2] * q[1] - q[2] * p[1]) / twice_area;
-    along_v = (p[0] * q[2] - q[0] * p[2]) / twice_area;
+    const double twice = twice_shadow(c);
+    along_u = (p[2] * q[1] - q[2] * p[1]) / twice;
+    along_v = (p[0] * q[2] - q[0] * p[2]) / twice;
     low_w = std::min({c[0][2], c[1][2], c[2][2]});
     high_w = std::max({c[0][2], c[1][2], c[2][2]});
+    if (!std::isfinite(along_u + along_v)) {
+      along_u = along_v = 0;
+      w = (low_w + high_w) / 2;
+    }
   }
   [[nodiscard]] double at(double at_u, double at_v) const {
     return std::clamp(w + (at_u - u) * along_u + (at_v - v) * along_v, low_w, high_w);
   }
 };
 
-/// Twice the area of the shadow; positive where the triangle faces along the direction.
-[[nodiscard]] inline double twice_shadow(const Corners& c) {
-  return (c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
-}
-
-/// Where the line at height v meets the outline of a triangle: [low, high). Each edge is walked
-/// from its lower end, so that two triangles at an edge agree on it to the last bit: no line slips
-/// between them or meets both.
+/// Where the line at height v meets the outline of a triangle, [low, high), and whether the triangle
+/// faces along the direction there. All of it follows from where the edges cross the line, and each
+/// edge is walked from its lower end, so that two triangles at an edge agree on it to the last bit:
+/// no line of sight slips between them or meets both, and it leaves a closed surface as often as it
+/// enters it, however thin the triangles are.
 struct Span {
   double low = 0.0;
   double high = 0.0;
+  bool up = false;
 };
 [[nodiscard]] inline Span span_at(const Corners& c, double v) {
   double found[2] = {0, 0};
+  bool first_rises = false;
   std::size_t count = 0;
   for (std::size_t k = 0; k < 3 && count < 2; ++k) {
     const Vector3* low = &c[k];
     const Vector3* high = &c[k == 2 ? 0 : k + 1];
-    if (!((*low)[1] < (*high)[1])) std::swap(low, high);
+    const bool rises = (*low)[1] < (*high)[1];
+    if (!rises) std::swap(low, high);
     if (v < (*low)[1] || v >= (*high)[1]) continue;
+    if (count == 0) first_rises = rises;
     found[count++] =
         (*low)[0] + (v - (*low)[1]) * (((*high)[0] - (*low)[0]) / ((*high)[1] - (*low)[1]));
   }
   if (count < 2) return {};
-  return found[0] < found[1] ? Span{found[0], found[1]} : Span{found[1], found[0]};
+  if (found[0] < found[1]) return {found[0], found[1], !first_rises};
+  return {found[1], found[0], first_rises};
 }
 
 /// Calls meet(row, first column, end column, slope, up) for each run of lines that a triangle meets.
 template <class Meet>
 void for_runs(const Grid& grid, const Corners& c, Meet&& meet) {
-  const double twice = twice_shadow(c);
-  if (twice == 0 || !std::isfinite(twice)) return;
   const int begin = grid.first_row(std::min({c[0][1], c[1][1], c[2][1]}));
   const int end = grid.first_row(std::max({c[0][1], c[1][1], c[2][1]}));
   if (begin >= end) return;
-  const Slope slope(c, twice);
+  const Slope slope(c);
   for (int row = begin; row < end; ++row) {
     const Span span = span_at(c, grid.centre_v(row));
     const int first = grid.first_column(span.low);
     const int last = grid.first_column(span.high);
-    if (first < last) meet(row, first, last, slope, twice > 0);
+    if (first < last) meet(row, first, last, slope, span.up);
   }
 }
 
@@ -131,10 +143,9 @@ void for_runs(const Grid& grid, const Corners& c, Meet&& meet) {
 /// bounds on its heights there. A triangle that stands upright reaches into the cells below it.
 template <class Meet>
 void for_cells(const Grid& grid, const Corners& c, Meet&& meet) {
-  const double twice = twice_shadow(c);
-  const Slope slope(c, twice == 0 ? 1.0 : twice);
+  const Slope slope(c);
   const double reach = (std::abs(slope.along_u) + std::abs(slope.along_v)) * grid.side / 2;
-  const bool upright = twice == 0 || !std::isfinite(reach);
+  const bool upright = twice_shadow(c) == 0 || !std::isfinite(reach);
   const int begin = grid.row_of(std::min({c[0][1], c[1][1], c[2][1]}));
   const int end = grid.row_of(std::max({c[0][1], c[1][1], c[2][1]}));
   for (int row = begin; row <= end; ++row) {
@@ -184,6 +195,8 @@ class AllCells {
   explicit AllCells(const Grid& grid) : grid_(grid) {}
 
   [[nodiscard]] const Grid& grid() const { return grid_; }
+  [[nodiscard]] const Grid& coarse_grid() const { return grid_; }
+  [[nodiscard]] int times() const { return 1; }
   [[nodiscard]] std::size_t lines() const { return grid_.cells(); }
   [[nodiscard]] int column(std::size_t line) const {
     return static_cast<int>(line % static_cast<std::size_t>(grid_.columns));
@@ -216,6 +229,8 @@ class FineCells {
   void reset(const Grid& coarse, int times, const std::vector<std::uint8_t>& chosen);
 
   [[nodiscard]] const Grid& grid() const { return fine_; }
+  [[nodiscard]] const Grid& coarse_grid() const { return coarse_; }
+  [[nodiscard]] int times() const { return times_; }  ///< fine cells along the side of a coarse one
   [[nodiscard]] std::size_t lines() const { return cells_.size() * per_cell_; }
   /// Column and row in the fine grid of a line.
   [[nodiscard]] int column(std::size_t line) const;
@@ -238,8 +253,6 @@ class FineCells {
 
 template <class Meet>
 void FineCells::for_lines(const Corners& c, Meet&& meet) const {
-  const double twice = twice_shadow(c);
-  if (twice == 0 || !std::isfinite(twice)) return;
   const double low_v = std::min({c[0][1], c[1][1], c[2][1]});
   const double high_v = std::max({c[0][1], c[1][1], c[2][1]});
   const int begin = fine_.first_row(low_v);
@@ -247,7 +260,7 @@ void FineCells::for_lines(const Corners& c, Meet&& meet) const {
   if (begin >= end) return;
   const int left = fine_.first_column(std::min({c[0][0], c[1][0], c[2][0]})) / times_;
   const int right = (fine_.first_column(std::max({c[0][0], c[1][0], c[2][0]})) - 1) / times_;
-  const Slope slope(c, twice);
+  const Slope slope(c);
   const auto columns = static_cast<std::uint32_t>(coarse_.columns);
   for (int coarse_row = begin / times_; coarse_row <= (end - 1) / times_; ++coarse_row) {
     const auto* const first = cells_.data() + row_begin_[static_cast<std::size_t>(coarse_row)];
@@ -270,7 +283,7 @@ void FineCells::for_lines(const Corners& c, Meet&& meet) const {
                                      static_cast<std::size_t>((row - coarse_row * times_) * times_);
         for (int column = std::max(span_begin, cell_begin); column < run_end; ++column) {
           meet(row_line + static_cast<std::size_t>(column - cell_begin),
-               slope.at(fine_.centre_u(column), v), twice > 0);
+               slope.at(fine_.centre_u(column), v), span.up);
         }
       }
     }

@@ -12,7 +12,8 @@
 namespace orasp::detail {
 namespace {
 
-constexpr double kLines = 9216;      // of the raster along one axis
+constexpr double kFewLines = 2304;   // of the raster along one axis that looks for an overlap
+constexpr double kLines = 16384;     // of the one that measures it
 constexpr std::size_t kMiddles = 4000;  // places along one axis whose depth is looked at
 
 // A place in the middle of a stretch that both parts cover, and half the length of the stretch.
@@ -56,7 +57,7 @@ void add_line(AxisMap& map, const Frame& frame, std::size_t line, const std::vec
 }
 
 AxisMap look_along(std::size_t axis, const PartShape& a, const PartShape& b, const Box& box,
-                   double tolerance) {
+                   double wanted, double tolerance) {
   Vector3 direction{};
   direction[axis] = 1;
   const Frame frame = frame_along(direction);
@@ -64,7 +65,7 @@ AxisMap look_along(std::size_t axis, const PartShape& a, const PartShape& b, con
   const Vector3 high = frame.turned(box.high);
   const Rectangle shadow = {low[0], high[0], low[1], high[1]};
   AxisMap map;
-  map.grid = Grid::over(shadow, std::sqrt(shadow.width() * shadow.height() / kLines));
+  map.grid = Grid::over(shadow, std::sqrt(shadow.width() * shadow.height() / wanted));
   const AllCells cells(map.grid);
   map.covered.assign(cells.lines(), 0);
   std::array<std::vector<Corners>, 2> triangles;
@@ -135,6 +136,26 @@ bool has_hole(const AxisMap& map) {
   return enclosed > columns * rows / 50;
 }
 
+// The greatest distance of a middle from both surfaces, if it is more than `deepest`.
+double deepest_of(const std::array<AxisMap, 3>& maps, const TriangleTree& a, const TriangleTree& b,
+                  double deepest) {
+  for (const AxisMap& map : maps) {
+    const std::size_t step = map.middles.size() / kMiddles + 1;
+    for (std::size_t i = 0; i < map.middles.size(); i += step) {
+      const Middle& middle = map.middles[i];
+      if (middle.half <= deepest) continue;
+      const double from_a = distance_above(a, middle.point, deepest);
+      if (from_a <= deepest) continue;
+      const double from_both = std::min(from_a, distance_above(b, middle.point, deepest));
+      // Where a surface has a slit, a line may seem to run on inside.
+      if (from_both > deepest && contains(a, middle.point) && contains(b, middle.point)) {
+        deepest = from_both;
+      }
+    }
+  }
+  return deepest;
+}
+
 }  // namespace
 
 std::optional<FoundOverlap> find_overlap(const PartShape& a, const PartShape& b,
@@ -146,20 +167,20 @@ std::optional<FoundOverlap> find_overlap(const PartShape& a, const PartShape& b,
     box.high[k] = std::min(a.tree.box(1).high[k], b.tree.box(1).high[k]);
     if (!(box.high[k] - box.low[k] > tolerance)) return std::nullopt;
   }
+  // Most parts that touch do not overlap: few lines say so.
   std::array<AxisMap, 3> maps;
-  double deepest = tolerance / 2;
+  bool any = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    maps[axis] = look_along(axis, a, b, box, tolerance);
-    const std::vector<Middle>& middles = maps[axis].middles;
-    const std::size_t step = middles.size() / kMiddles + 1;
-    for (std::size_t i = 0; i < middles.size(); i += step) {
-      if (middles[i].half <= deepest) continue;
-      const double from_a = distance_above(a.tree, middles[i].point, deepest);
-      if (from_a <= deepest) continue;
-      deepest = std::max(deepest, std::min(from_a, distance_above(b.tree, middles[i].point, deepest)));
-    }
+    maps[axis] = look_along(axis, a, b, box, kFewLines, tolerance);
+    any = any || !maps[axis].middles.empty();
   }
+  double deepest = tolerance / 2;
+  if (any) deepest = deepest_of(maps, a.tree, b.tree, deepest);
   if (deepest <= tolerance / 2) return std::nullopt;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    maps[axis] = look_along(axis, a, b, box, kLines, tolerance);
+  }
+  deepest = deepest_of(maps, a.tree, b.tree, deepest);
   const auto best = std::max_element(
       maps.begin(), maps.end(), [](const AxisMap& x, const AxisMap& y) {
         return static_cast<double>(x.lines) * x.grid.side * x.grid.side * 1.0001 <

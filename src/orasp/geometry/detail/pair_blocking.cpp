@@ -11,6 +11,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCoarseCells = 4096;   // lines of a first look
 constexpr double kSingleCells = 9216;   // so few fine lines are looked at without a first look
 constexpr double kFineLines = 600'000;  // lines of a second look at most
+constexpr int kSharper = 4;             // cuts of a fine cell where a width lies near the limit
 constexpr double kFineGrid = 32e6;      // cells of the grid that those are chosen from at most
 
 // The side of the cells of a first look: so that no more than about kCoarseCells cover the
@@ -114,6 +115,42 @@ PairBlocking::Region PairBlocking::judge(const Cells& cells, const PairView& pai
   return region;
 }
 
+// The same region on lines kSharper times as close, where blocked lines stand: for a width so near
+// the limit that the distance of the lines would decide.
+template <class Cells>
+PairBlocking::Region PairBlocking::sharpened(const Cells& cells, const PairView& pair, int side,
+                                             double narrowest) {
+  const Grid& coarse = cells.coarse_grid();
+  const int times = cells.times();
+  std::vector<std::uint8_t> chosen(coarse.cells(), 0);
+  double count = 0;
+  for (std::size_t line = 0; line < cells.lines(); ++line) {
+    if (beyond(side, line) <= pair.tolerance) continue;
+    const int column = cells.column(line);
+    const int row = cells.row(line);
+    for (int y = std::max(0, row - 1) / times; y <= std::min((row + 1) / times, coarse.rows - 1); ++y) {
+      for (int x = std::max(0, column - 1) / times;
+           x <= std::min((column + 1) / times, coarse.columns - 1); ++x) {
+        std::uint8_t& cell = chosen[static_cast<std::size_t>(y) *
+                                        static_cast<std::size_t>(coarse.columns) +
+                                    static_cast<std::size_t>(x)];
+        count += cell == 0 ? 1 : 0;
+        cell = 1;
+      }
+    }
+  }
+  const double most = std::min(kFineLines / count, kFineGrid / static_cast<double>(coarse.cells()));
+  const int sharper = std::min(kSharper, static_cast<int>(std::sqrt(most)) / times);
+  if (sharper < 2) return {};
+  std::swap(extremes_, aside_);
+  sharp_.reset(coarse, times * sharper, chosen);
+  look(sharp_);
+  Region region = judge(sharp_, pair, side, narrowest * sharper);
+  region.cell = sharp_.grid().side;
+  std::swap(extremes_, aside_);
+  return region;
+}
+
 // Chooses the cells in which some of the one part may lie beyond some of the other.
 std::size_t PairBlocking::choose_cells(const Grid& grid, const PairView& pair,
                                        const bool (&open)[2]) {
@@ -157,41 +194,39 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
   const double finest = pair.tolerance / 2;
   const bool single = shadow.width() / finest * (shadow.height() / finest) <= kSingleCells;
   const AllCells coarse(Grid::over(shadow, single ? finest : coarse_side(shadow, finest)));
-  const double side = coarse.grid().side;
 
-  // How wide the region is between lines: its middle lies a radius from the nearest free line, and
-  // its border on average half a cell before that.
-  const auto settle = [&](std::size_t s, const Region& region, double cell, double doubt) {
-    const double width = (2 * region.place.radius - 0.5) * cell;
-    if (region.place.radius <= 0 || !(width - doubt * cell > pair.width_limit)) return false;
-    verdicts[s] = {true, width, region.depth};
-    return true;
+  // Looks from one raster at both sides that are open; true where a side is settled by it. `doubt`
+  // is how many cells wider than the limit a region must be.
+  const auto settle = [&](const auto& cells, double doubt, bool last) {
+    const double cell = cells.grid().side;
+    look(cells);
+    for (std::size_t s = 0; s < 2; ++s) {
+      if (!open[s]) continue;
+      const double narrowest = pair.width_limit / cell - (last ? 1.5 : -doubt);
+      Region region = judge(cells, pair, static_cast<int>(s), narrowest);
+      region.cell = cell;
+      if (last && std::abs(region.width() - pair.width_limit) < 1.5 * cell) {
+        const Region sharp = sharpened(cells, pair, static_cast<int>(s), narrowest);
+        if (sharp.cell > 0) region = sharp;
+      }
+      if (region.width() - doubt * cell > pair.width_limit) {
+        verdicts[s] = {true, region.width(), region.depth};
+        open[s] = false;
+      }
+    }
   };
-  look(coarse);
-  for (std::size_t s = 0; s < 2; ++s) {
-    if (!open[s]) continue;
-    const double doubt = single ? 0.0 : 1.5;
-    const double narrowest = pair.width_limit / side + 0.5 + doubt;
-    const Region region = judge(coarse, pair, static_cast<int>(s), narrowest);
-    open[s] = !settle(s, region, side, doubt) && !single;
-  }
-  if (!open[0] && !open[1]) return verdicts;
+  settle(coarse, single ? 0.0 : 1.5, single);
+  if (single || (!open[0] && !open[1])) return verdicts;
 
   const std::size_t cells = choose_cells(coarse.grid(), pair, open);
   if (cells == 0) return verdicts;
-  const double times_wanted = std::ceil(side / finest - 1e-9);
+  const double times_wanted = std::ceil(coarse.grid().side / finest - 1e-9);
   const double times_most =
       std::sqrt(std::min(kFineLines / static_cast<double>(cells),
                          kFineGrid / static_cast<double>(coarse.grid().cells())));
   const int times = static_cast<int>(std::max(1.0, std::floor(std::min(times_wanted, times_most))));
   fine_.reset(coarse.grid(), times, chosen_);
-  look(fine_);
-  for (std::size_t s = 0; s < 2; ++s) {
-    if (!open[s]) continue;
-    const double cell = fine_.grid().side;
-    const Region region = judge(fine_, pair, static_cast<int>(s), pair.width_limit / cell + 0.5);
-    settle(s, region, cell, 0.0);
-  }
+  settle(fine_, 0.0, true);
   return verdicts;
 }
 

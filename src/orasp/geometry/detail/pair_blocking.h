@@ -41,10 +41,17 @@ class PairBlocking {
   struct Extremes {
     std::vector<double> first, last;
   };
-  // The widest blocked region on one raster, in cells.
+  // The widest blocked region on one raster.
   struct Region {
     WidestPlace place;
+    double cell = 0.0;  // side, mm
     double depth = 0.0;
+
+    // Between lines: its middle lies a radius from the nearest free line, and its border on average
+    // half a cell before that.
+    [[nodiscard]] double width() const {
+      return place.radius > 0 ? (2 * place.radius - 0.5) * cell : 0.0;
+    }
   };
 
   template <class Cells>
@@ -56,14 +63,18 @@ class PairBlocking {
   template <class Cells>
   double depth_at(const Cells& cells, int side, const WidestPlace& place) const;
   [[nodiscard]] double beyond(int side, std::size_t line) const;
+  template <class Cells>
+  Region sharpened(const Cells& cells, const PairView& pair, int side, double narrowest);
   std::size_t choose_cells(const Grid& grid, const PairView& pair, const bool (&open)[2]);
 
   std::vector<Corners> triangles_[2];
-  Extremes extremes_[2];             // of a and b
+  Extremes extremes_[2];             // of a and b, on the lines of the present look
+  Extremes aside_[2];                // those of the look before, while a narrow place is sharpened
   std::vector<double> low_[2];       // bounds of heights in each cell, of a and b
   std::vector<double> high_[2];
   std::vector<std::uint8_t> chosen_;
   FineCells fine_;
+  FineCells sharp_;
   CellMask mask_;
   CellMask without_[2];              // blocked lines where a lacks b, and where b lacks a
   std::vector<std::uint32_t> slots_;

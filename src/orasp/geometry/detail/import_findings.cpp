@@ -1,0 +1,216 @@
+#include "orasp/geometry/detail/import_findings.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "orasp/geometry/detail/part_names.h"
+
+namespace orasp::detail {
+
+namespace {
+
+constexpr double kInside = 0.2;      ///< of the smaller part's volume
+constexpr double kNearlyWide = 4.0;  ///< times the tolerance; facts are wider than twice it
+
+std::string quoted(const std::string& id) {
+  return "\"" + id + "\"";
+}
+
+/// Two significant digits or a whole number: "0.19", "12".
+std::string number_text(double number) {
+  std::array<char, 32> text{};
+  const int digits = std::abs(number) >= 100 ? 0 : std::abs(number) >= 10 ? 1 : 2;
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), number,
+                                     std::chars_format::fixed, digits);
+  std::string result(text.data(), written.ptr);
+  if (result.find('.') == std::string::npos) return result;
+  while (result.ends_with('0')) result.pop_back();
+  if (result.ends_with('.')) result.pop_back();
+  return result;
+}
+
+std::string counted(std::size_t number, const std::string& noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+void find_overlaps(ImportedAssembly& assembly) {
+  for (std::size_t c = 0; c < assembly.contacts.size(); ++c) {
+    const Contact& contact = assembly.contacts[c];
+    if (!contact.overlap) continue;
+    ImportedOverlap overlap{.contact = c};
+    const std::string& a = assembly.parts[contact.a].id;
+    const std::string& b = assembly.parts[contact.b].id;
+    const bool threaded = contact.kind == Contact::Kind::Fastener;
+    if (contact.overlap->share > kInside && !threaded) {
+      overlap.verdict = OverlapVerdict::Inside;
+      assembly.questions.push_back(
+          quoted(a) + " and " + quoted(b) +
+          " are drawn inside each other: " + number_text(100 * contact.overlap->share) +
+          " % of the smaller part; exclude one of them if they are alternatives, or mend the "
+          "drawing if one should have a hole");
+    } else if (threaded) {
+      overlap.verdict = OverlapVerdict::Thread;
+    }
+    assembly.overlaps.push_back(overlap);
+  }
+}
+
+void find_locked(ImportedAssembly& assembly) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
+  for (const Contact& contact : assembly.contacts) joined.insert({contact.a, contact.b});
+  for (const PairFacts& pair : facts_by_pair(assembly)) {
+    if (pair.facts.size() < 2 * assembly.directions.size()) continue;
+    const bool touch = joined.contains({pair.part, pair.by});
+    assembly.locked.push_back({.a = pair.part, .b = pair.by, .joined = touch});
+    assembly.questions.push_back(
+        quoted(assembly.parts[pair.part].id) + " and " + quoted(assembly.parts[pair.by].id) +
+        " block each other along every direction, so nothing can part them: is one of them "
+        "flexible, to be left out, or free along a direction that is not looked at?");
+  }
+}
+
+void find_near_facts(ImportedAssembly& assembly, double tolerance) {
+  for (std::size_t f = 0; f < assembly.facts.size(); ++f) {
+    if (assembly.facts[f].width < kNearlyWide * tolerance) assembly.near_facts.push_back(f);
+  }
+}
+
+void find_groups(ImportedAssembly& assembly) {
+  std::vector<std::uint32_t> root(assembly.parts.size());
+  std::iota(root.begin(), root.end(), 0U);
+  const auto find = [&](std::uint32_t part) {
+    while (root[part] != part) part = root[part] = root[root[part]];
+    return part;
+  };
+  for (const Contact& contact : assembly.contacts) {
+    const std::uint32_t a = find(contact.a);
+    const std::uint32_t b = find(contact.b);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
+  for (std::uint32_t part = 0; part < assembly.parts.size(); ++part)
+    groups[find(part)].push_back(part);
+  for (auto& [first, group] : groups) assembly.groups.push_back(std::move(group));
+  std::ranges::stable_sort(assembly.groups, std::ranges::greater(),
+                           [](const auto& group) { return group.size(); });
+  if (assembly.groups.size() > 1) {
+    assembly.questions.push_back(
+        "the product falls into " + std::to_string(assembly.groups.size()) +
+        " groups that do not touch, the smallest with " +
+        quoted(assembly.parts[assembly.groups.back().front()].id) +
+        ": does something join them that is not drawn, or is a larger tolerance right?");
+  }
+}
+
+void note_proposed(ImportedAssembly& assembly) {
+  for (const Contact& contact : assembly.contacts) {
+    if (!contact.proposed) continue;
+    assembly.questions.push_back(quoted(assembly.parts[contact.a].id) + " and " +
+                                 quoted(assembly.parts[contact.b].id) + " are " +
+                                 number_text(contact.distance) +
+                                 " mm apart, and one of them touches nothing: they are taken for "
+                                 "joined, is that so?");
+  }
+}
+
+void note_sizes(ImportedAssembly& assembly) {
+  Box box;
+  for (const CadPartFacts& part : assembly.parts) {
+    box.add(part.box.low);
+    box.add(part.box.high);
+  }
+  constexpr double kLargest = 20'000;  // mm
+  constexpr double kSmallest = 1;
+  const double diagonal = box.diagonal();
+  if (diagonal > kLargest || diagonal < kSmallest) {
+    assembly.warnings.push_back("the product measures " + number_text(diagonal / 1000) +
+                                " m across; if that is wrong, --unit says what the file is in");
+  }
+  for (const CadPartFacts& part : assembly.parts) {
+    constexpr double kLongBolt = 500;  // mm
+    if (!names_fastener(part.name) || part.box.diagonal() < kLongBolt) continue;
+    assembly.warnings.push_back(quoted(part.id) + " is " + number_text(part.box.diagonal() / 1000) +
+                                " m long, much for a fastener; --unit says what the file is in");
+    break;
+  }
+}
+
+/// Parts that were drawn one by one, each round its own origin, lie in one another.
+void note_poses(ImportedAssembly& assembly) {
+  std::size_t central = 0;
+  for (const CadPartFacts& part : assembly.parts) {
+    double distance = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double middle = (part.box.low[i] + part.box.high[i]) / 2;
+      distance += middle * middle;
+    }
+    constexpr double kNear = 0.25;  // of its own size
+    if (std::sqrt(distance) < kNear * part.box.diagonal()) ++central;
+  }
+  constexpr std::size_t kFew = 3;
+  constexpr double kMost = 0.8;
+  const auto parts = static_cast<double>(assembly.parts.size());
+  if (assembly.parts.size() < kFew || static_cast<double>(central) < kMost * parts) return;
+  // Shells round one centre are a product: then their sizes differ.
+  std::size_t overlapping = 0;
+  for (const Contact& contact : assembly.contacts) overlapping += contact.overlap ? 1 : 0;
+  if (2 * overlapping < assembly.parts.size()) return;
+  assembly.warnings.push_back(
+      "all parts lie round the origin and overlap, so their poses are missing: each is drawn in "
+      "its own frame; --pose FILE says where they stand");
+}
+
+void note_densities(ImportedAssembly& assembly, const ImportSettings& settings) {
+  std::size_t assumed = 0;
+  std::size_t by_name = 0;
+  double density = 0;
+  for (const CadPartFacts& part : assembly.parts) {
+    if (part.source == DensitySource::Name) ++by_name;
+    if (part.source != DensitySource::Default) continue;
+    ++assumed;
+    density = part.density;
+  }
+  if (by_name > 0) {
+    assembly.warnings.push_back("the density of " + counted(by_name, "part") +
+                                " was told by its name alone, such as steel for a screw");
+  }
+  if (assumed > 0 && !settings.densities.others) {
+    assembly.warnings.push_back("nothing tells the density of " + counted(assumed, "part") + ": " +
+                                number_text(density) +
+                                " kg/m^3 is assumed; --density gives another");
+  }
+  std::size_t open = 0;
+  for (const CadPartFacts& part : assembly.parts) open += part.closed ? 0 : 1;
+  if (open > 0) {
+    assembly.warnings.push_back(counted(open, "part") + (open == 1 ? " has" : " have") +
+                                " a surface with holes, so volume and mass are rough");
+  }
+  std::size_t empty = 0;
+  for (const CadPartFacts& part : assembly.parts) empty += part.mass > 0 ? 0 : 1;
+  if (empty > 0) {
+    assembly.warnings.push_back(counted(empty, "part") + (empty == 1 ? " has" : " have") +
+                                " no volume and so no mass");
+  }
+}
+
+}  // namespace
+
+void add_findings(ImportedAssembly& assembly, const ImportSettings& settings) {
+  find_overlaps(assembly);
+  find_locked(assembly);
+  find_near_facts(assembly, settings.tolerance);
+  find_groups(assembly);
+  note_proposed(assembly);
+  note_sizes(assembly);
+  note_poses(assembly);
+  note_densities(assembly, settings);
+}
+
+}  // namespace orasp::detail
