@@ -18,7 +18,6 @@ using detail::PairVerdict;
 using detail::PartShape;
 using detail::View;
 
-
 // A direction that was asked for, and its opposite where that was asked for as well.
 struct Line {
   Vector3 direction{};
@@ -165,10 +164,10 @@ std::vector<BlockingFact> find_blocking(std::span<const CadPart> parts,
       view.b_inside_out = shapes[pair.b].inside_out;
       view.tolerance = settings.tolerance;
       view.width_limit = least;
-      const auto touch =
-          std::lower_bound(touching.begin(), touching.end(), pair, [](const Touching& x, const Pair& y) {
-            return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-          });
+      const auto touch = std::lower_bound(touching.begin(), touching.end(), pair,
+                                          [](const Touching& x, const Pair& y) {
+                                            return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+                                          });
       if (touch != touching.end() && touch->a == pair.a && touch->b == pair.b &&
           shapes[pair.a].closed && shapes[pair.b].closed) {
         view.overlap = true;

@@ -24,7 +24,9 @@ struct Pair {
   std::uint32_t a, b;
 };
 
-const Box& box_of(const PartShape& shape) { return shape.tree.box(1); }
+const Box& box_of(const PartShape& shape) {
+  return shape.tree.box(1);
+}
 
 // The pairs whose boxes are no farther apart than `gap`: a sweep along the axis on which the boxes
 // are shortest beside the whole.
@@ -85,9 +87,10 @@ bool coaxial_fit(const CadPart& a, const CadPart& b, const std::vector<ContactPa
   constexpr double kParallel = 0.99996;  // half a degree
   for (const FaceHint& one : a.faces) {
     if (one.kind != FaceHint::Kind::Cylinder) continue;
-    const bool touched = std::any_of(patches.begin(), patches.end(), [&](const ContactPatch& patch) {
-      return std::abs(dot(patch.normal, one.direction)) < 0.02;
-    });
+    const bool touched =
+        std::any_of(patches.begin(), patches.end(), [&](const ContactPatch& patch) {
+          return std::abs(dot(patch.normal, one.direction)) < 0.02;
+        });
     if (!touched) continue;
     for (const FaceHint& other : b.faces) {
       if (other.kind != FaceHint::Kind::Cylinder || one.hollow == other.hollow) continue;
@@ -137,8 +140,8 @@ Contact contact_of(std::span<const CadPart> parts, const std::vector<PartShape>&
   for (const ContactPatch& patch : patches) contact.area += patch.area;
   const std::optional<detail::FoundOverlap> overlap = detail::find_overlap(a, b, tolerance);
   if (overlap) contact.overlap = overlap->overlap;
-  contact.kind = kind_of(parts[pair.a], parts[pair.b], std::move(patches),
-                         overlap && overlap->ring, tolerance);
+  contact.kind = kind_of(parts[pair.a], parts[pair.b], std::move(patches), overlap && overlap->ring,
+                         tolerance);
   return contact;
 }
 
@@ -197,9 +200,10 @@ std::vector<Contact> find_contacts(std::span<const CadPart> parts,
   const auto order = [](const Contact& contact) { return std::pair(contact.a, contact.b); };
   std::stable_sort(contacts.begin(), contacts.end(),
                    [&](const Contact& x, const Contact& y) { return order(x) < order(y); });
-  contacts.erase(std::unique(contacts.begin(), contacts.end(),
-                             [&](const Contact& x, const Contact& y) { return order(x) == order(y); }),
-                 contacts.end());
+  contacts.erase(
+      std::unique(contacts.begin(), contacts.end(),
+                  [&](const Contact& x, const Contact& y) { return order(x) == order(y); }),
+      contacts.end());
   return contacts;
 }
 

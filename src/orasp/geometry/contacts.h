@@ -27,8 +27,8 @@ struct MeshOverlap {
 /// Two parts that touch or overlap, or that nothing but play parts (`proposed`).
 struct Contact {
   enum class Kind : std::uint8_t {
-    Touch,     ///< faces that lie on one another
-    Fit,       ///< a press fit or a hole filled by its peg: coaxial without clearance, or an overlap ring
+    Touch,  ///< faces that lie on one another
+    Fit,  ///< a press fit or a hole filled by its peg: coaxial without clearance, or an overlap ring
     Fastener,  ///< one of the two is a screw, nut, rivet, pin, ... by its name
   };
   std::uint32_t a = 0;  ///< a < b: positions in CadModel::parts
@@ -37,7 +37,8 @@ struct Contact {
   double distance = 0.0;  ///< mm; 0 where they overlap
   double area = 0.0;      ///< of the faces within the tolerance of one another, mm^2
   std::optional<MeshOverlap> overlap;
-  bool proposed = false;  ///< beyond the tolerance: the nearest neighbour of a part that touches nothing
+  bool proposed =
+      false;  ///< beyond the tolerance: the nearest neighbour of a part that touches nothing
 };
 
 struct GeometrySettings {

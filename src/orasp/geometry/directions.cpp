@@ -18,10 +18,10 @@ using detail::dot;
 using detail::length;
 using detail::PartShape;
 
-constexpr double kSame = 0.99996192;      // the cosine of half a degree
-constexpr double kInCone = -0.015;        // what rounding and triangles of round faces may take off
-constexpr std::size_t kNormals = 12;      // of one contact that are crossed with one another
-constexpr std::size_t kFacets = 64;       // directions that the triangles of one part may suggest
+constexpr double kSame = 0.99996192;  // the cosine of half a degree
+constexpr double kInCone = -0.015;    // what rounding and triangles of round faces may take off
+constexpr std::size_t kNormals = 12;  // of one contact that are crossed with one another
+constexpr std::size_t kFacets = 64;   // directions that the triangles of one part may suggest
 
 // A direction and how much area speaks for it.
 struct Candidate {

@@ -57,7 +57,8 @@ bool closed_over(const Mesh& mesh, const std::vector<std::uint32_t>& first) {
       edges.push_back({std::min(a, b) << 32U | std::max(a, b), a < b ? 1 : -1});
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
   for (std::size_t i = 0; i < edges.size();) {
     int ways = 0;
     const std::uint64_t ends = edges[i].ends;

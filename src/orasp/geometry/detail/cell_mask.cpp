@@ -25,7 +25,8 @@ int gap_in_row(const CellMask& mask, int column, int row, int limit) {
   const int most = std::min(limit, right);
   for (int at = column; left < most;) {
     if (at < 0) break;
-    const std::uint64_t rest = ~(mask.word(row, at >> 6) << (63U - (static_cast<unsigned>(at) & 63U)));
+    const std::uint64_t rest =
+        ~(mask.word(row, at >> 6) << (63U - (static_cast<unsigned>(at) & 63U)));
     const int here = std::min((at & 63) + 1, std::countl_zero(rest));
     left += here;
     at -= here;

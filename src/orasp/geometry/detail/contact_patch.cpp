@@ -157,15 +157,15 @@ std::vector<ContactPatch> contact_patches(const PartShape& a, const PartShape& b
 }
 
 std::vector<ContactPatch> gathered_by_normal(std::vector<ContactPatch> patches, double cosine) {
-  std::stable_sort(patches.begin(), patches.end(), [](const ContactPatch& x, const ContactPatch& y) {
-    return x.area != y.area ? x.area > y.area : x.normal > y.normal;
-  });
+  std::stable_sort(patches.begin(), patches.end(),
+                   [](const ContactPatch& x, const ContactPatch& y) {
+                     return x.area != y.area ? x.area > y.area : x.normal > y.normal;
+                   });
   std::vector<ContactPatch> gathered;
   for (const ContactPatch& patch : patches) {
-    const auto same =
-        std::find_if(gathered.begin(), gathered.end(), [&](const ContactPatch& other) {
-          return dot(other.normal, patch.normal) >= cosine;
-        });
+    const auto same = std::find_if(
+        gathered.begin(), gathered.end(),
+        [&](const ContactPatch& other) { return dot(other.normal, patch.normal) >= cosine; });
     if (same == gathered.end()) {
       gathered.push_back(patch);
     } else {
@@ -173,9 +173,8 @@ std::vector<ContactPatch> gathered_by_normal(std::vector<ContactPatch> patches, 
       same->area += patch.area;
     }
   }
-  std::stable_sort(gathered.begin(), gathered.end(), [](const ContactPatch& x, const ContactPatch& y) {
-    return x.area > y.area;
-  });
+  std::stable_sort(gathered.begin(), gathered.end(),
+                   [](const ContactPatch& x, const ContactPatch& y) { return x.area > y.area; });
   return gathered;
 }
 

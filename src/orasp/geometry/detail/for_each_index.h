@@ -14,7 +14,8 @@ namespace orasp::detail {
 template <class Work>
 void for_each_index(std::size_t count, const GeometrySettings& settings, Work&& work) {
   std::atomic<std::size_t> next = 0;
-  const std::size_t threads = std::clamp<std::size_t>(settings.threads, 1, std::max<std::size_t>(1, count));
+  const std::size_t threads =
+      std::clamp<std::size_t>(settings.threads, 1, std::max<std::size_t>(1, count));
   run_parallel(threads, [&](std::size_t thread) {
     for (std::size_t index = next++; index < count; index = next++) {
       if (settings.stop.stop_requested()) throw Interrupted();

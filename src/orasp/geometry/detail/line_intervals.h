@@ -54,7 +54,8 @@ void Crossings::collect(const Cells& cells, const std::vector<Corners>& triangle
   crossings_.resize(begin_.back());
   for (const Corners& c : triangles) {
     cells.for_lines(c, [&](std::size_t line, double height, bool up) {
-      if (slots[line] != kNoSlot) crossings_[begin_[slots[line] + 1]++] = {height, up != inside_out};
+      if (slots[line] != kNoSlot)
+        crossings_[begin_[slots[line] + 1]++] = {height, up != inside_out};
     });
   }
 }

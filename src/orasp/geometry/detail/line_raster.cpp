@@ -77,7 +77,8 @@ void FineCells::reset(const Grid& coarse, int times, const std::vector<std::uint
   cells_.clear();
   row_begin_.assign(static_cast<std::size_t>(coarse.rows) + 1, 0);
   for (int row = 0; row < coarse.rows; ++row) {
-    const std::size_t base = static_cast<std::size_t>(row) * static_cast<std::size_t>(coarse.columns);
+    const std::size_t base =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(coarse.columns);
     for (std::size_t i = 0; i < static_cast<std::size_t>(coarse.columns); ++i) {
       if (chosen[base + i] != 0) cells_.push_back(static_cast<std::uint32_t>(base + i));
     }

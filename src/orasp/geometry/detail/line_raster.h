@@ -165,8 +165,7 @@ void for_cells(const Grid& grid, const Corners& c, Meet&& meet) {
         if ((p[1] < v) != (q[1] < v)) reach_to(p[0] + (v - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
       }
     }
-    if (low_u > high_u || high_u < grid.low_u ||
-        low_u > grid.low_u + grid.side * grid.columns) {
+    if (low_u > high_u || high_u < grid.low_u || low_u > grid.low_u + grid.side * grid.columns) {
       continue;
     }
     const int last = grid.column_of(high_u);
@@ -247,7 +246,7 @@ class FineCells {
   Grid fine_;
   int times_ = 1;
   std::size_t per_cell_ = 1;
-  std::vector<std::uint32_t> cells_;     // chosen cells, by row and column
+  std::vector<std::uint32_t> cells_;      // chosen cells, by row and column
   std::vector<std::uint32_t> row_begin_;  // of each coarse row in cells_
 };
 

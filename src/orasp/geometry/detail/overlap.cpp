@@ -12,8 +12,8 @@
 namespace orasp::detail {
 namespace {
 
-constexpr double kFewLines = 2304;   // of the raster along one axis that looks for an overlap
-constexpr double kLines = 16384;     // of the one that measures it
+constexpr double kFewLines = 2304;      // of the raster along one axis that looks for an overlap
+constexpr double kLines = 16384;        // of the one that measures it
 constexpr std::size_t kMiddles = 4000;  // places along one axis whose depth is looked at
 
 // A place in the middle of a stretch that both parts cover, and half the length of the stretch.
@@ -158,8 +158,7 @@ double deepest_of(const std::array<AxisMap, 3>& maps, const TriangleTree& a, con
 
 }  // namespace
 
-std::optional<FoundOverlap> find_overlap(const PartShape& a, const PartShape& b,
-                                         double tolerance) {
+std::optional<FoundOverlap> find_overlap(const PartShape& a, const PartShape& b, double tolerance) {
   if (!a.closed || !b.closed) return std::nullopt;
   Box box;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -181,8 +180,8 @@ std::optional<FoundOverlap> find_overlap(const PartShape& a, const PartShape& b,
     maps[axis] = look_along(axis, a, b, box, kLines, tolerance);
   }
   deepest = deepest_of(maps, a.tree, b.tree, deepest);
-  const auto best = std::max_element(
-      maps.begin(), maps.end(), [](const AxisMap& x, const AxisMap& y) {
+  const auto best =
+      std::max_element(maps.begin(), maps.end(), [](const AxisMap& x, const AxisMap& y) {
         return static_cast<double>(x.lines) * x.grid.side * x.grid.side * 1.0001 <
                static_cast<double>(y.lines) * y.grid.side * y.grid.side;
       });

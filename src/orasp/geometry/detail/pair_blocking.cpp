@@ -128,12 +128,13 @@ PairBlocking::Region PairBlocking::sharpened(const Cells& cells, const PairView&
     if (beyond(side, line) <= pair.tolerance) continue;
     const int column = cells.column(line);
     const int row = cells.row(line);
-    for (int y = std::max(0, row - 1) / times; y <= std::min((row + 1) / times, coarse.rows - 1); ++y) {
+    for (int y = std::max(0, row - 1) / times; y <= std::min((row + 1) / times, coarse.rows - 1);
+         ++y) {
       for (int x = std::max(0, column - 1) / times;
            x <= std::min((column + 1) / times, coarse.columns - 1); ++x) {
-        std::uint8_t& cell = chosen[static_cast<std::size_t>(y) *
-                                        static_cast<std::size_t>(coarse.columns) +
-                                    static_cast<std::size_t>(x)];
+        std::uint8_t& cell =
+            chosen[static_cast<std::size_t>(y) * static_cast<std::size_t>(coarse.columns) +
+                   static_cast<std::size_t>(x)];
         count += cell == 0 ? 1 : 0;
         cell = 1;
       }

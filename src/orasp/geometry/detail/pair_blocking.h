@@ -68,15 +68,15 @@ class PairBlocking {
   std::size_t choose_cells(const Grid& grid, const PairView& pair, const bool (&open)[2]);
 
   std::vector<Corners> triangles_[2];
-  Extremes extremes_[2];             // of a and b, on the lines of the present look
-  Extremes aside_[2];                // those of the look before, while a narrow place is sharpened
-  std::vector<double> low_[2];       // bounds of heights in each cell, of a and b
+  Extremes extremes_[2];        // of a and b, on the lines of the present look
+  Extremes aside_[2];           // those of the look before, while a narrow place is sharpened
+  std::vector<double> low_[2];  // bounds of heights in each cell, of a and b
   std::vector<double> high_[2];
   std::vector<std::uint8_t> chosen_;
   FineCells fine_;
   FineCells sharp_;
   CellMask mask_;
-  CellMask without_[2];              // blocked lines where a lacks b, and where b lacks a
+  CellMask without_[2];  // blocked lines where a lacks b, and where b lacks a
   std::vector<std::uint32_t> slots_;
   std::vector<std::uint32_t> lines_;
   Crossings crossings_[2];

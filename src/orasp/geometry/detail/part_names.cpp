@@ -9,9 +9,15 @@
 namespace orasp::detail {
 namespace {
 
-bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
-bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_lower(char c) {
+  return c >= 'a' && c <= 'z';
+}
+bool is_upper(char c) {
+  return c >= 'A' && c <= 'Z';
+}
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 // The words of a name in small letters: runs of letters and digits, cut where a capital follows a
 // small letter. A point stays in a number.
@@ -19,8 +25,8 @@ std::vector<std::string> words_of(std::string_view name) {
   std::vector<std::string> words(1);
   for (std::size_t i = 0; i < name.size(); ++i) {
     const char c = name[i];
-    const bool point = c == '.' && i > 0 && i + 1 < name.size() && is_digit(name[i - 1]) &&
-                       is_digit(name[i + 1]);
+    const bool point =
+        c == '.' && i > 0 && i + 1 < name.size() && is_digit(name[i - 1]) && is_digit(name[i + 1]);
     if (!is_lower(c) && !is_upper(c) && !is_digit(c) && !point) {
       if (!words.back().empty()) words.emplace_back();
       continue;
@@ -39,8 +45,9 @@ bool among(const std::array<std::string_view, kSize>& list, std::string_view wor
 
 bool is_fastener_word(std::string_view word) {
   constexpr std::array<std::string_view, 20> kWords = {
-      "screw", "bolt",    "nut",  "washer", "rivet",    "pin",      "stud",  "dowel", "shcs", "bhcs",
-      "fhcs",  "setscrew", "grub", "circlip", "locknut", "hexnut", "tnut", "grubscrew", "capscrew", "fastener"};
+      "screw",   "bolt",   "nut",  "washer",    "rivet",    "pin",     "stud",
+      "dowel",   "shcs",   "bhcs", "fhcs",      "setscrew", "grub",    "circlip",
+      "locknut", "hexnut", "tnut", "grubscrew", "capscrew", "fastener"};
   if (among(kWords, word)) return true;
   return word.size() > 1 && word.back() == 's' && among(kWords, word.substr(0, word.size() - 1));
 }
@@ -62,7 +69,7 @@ bool names_fastener(std::string_view name) {
   constexpr std::array<std::string_view, 4> kDrives = {"lead", "ball", "acme", "jack"};
   constexpr std::array<std::string_view, 4> kStandards = {"iso", "din", "ansi", "en"};
   constexpr std::array<std::string_view, 16> kHolders = {
-      "block", "housing", "bracket", "plate",  "holder", "mount",  "header", "adapter",
+      "block", "housing", "bracket", "plate",    "holder", "mount",  "header", "adapter",
       "cover", "spacer",  "bearing", "standoff", "shim",   "driver", "trap",   "connector"};
   const std::vector<std::string> words = words_of(name);
   for (std::size_t i = words.size(); i-- > 0;) {

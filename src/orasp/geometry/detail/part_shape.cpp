@@ -11,8 +11,8 @@ double six_volumes(const Mesh& mesh) {
   const Vector3 origin = mesh.vertices[mesh.triangles[0][0]];
   double sum = 0;
   for (const auto& t : mesh.triangles) {
-    sum += dot(minus(mesh.vertices[t[0]], origin), cross(minus(mesh.vertices[t[1]], origin),
-                                                         minus(mesh.vertices[t[2]], origin)));
+    sum += dot(minus(mesh.vertices[t[0]], origin),
+               cross(minus(mesh.vertices[t[1]], origin), minus(mesh.vertices[t[2]], origin)));
   }
   return sum;
 }

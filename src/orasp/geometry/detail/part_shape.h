@@ -12,7 +12,7 @@ namespace orasp::detail {
 /// What the searches need of a part, worked out once.
 struct PartShape {
   TriangleTree tree;
-  double volume = 0.0;      ///< mm^3; 0 where the mesh is open
+  double volume = 0.0;  ///< mm^3; 0 where the mesh is open
   bool closed = false;
   bool inside_out = false;  ///< closed, but its triangles are clockwise from outside
 };

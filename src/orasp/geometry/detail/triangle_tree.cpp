@@ -32,7 +32,9 @@ std::uint32_t curve_place(const Vector3& point, const Box& box) {
   return place;
 }
 
-double squared(double x) { return x * x; }
+double squared(double x) {
+  return x * x;
+}
 
 double squared_distance(const Box& box, const Vector3& p) {
   double sum = 0;
@@ -217,8 +219,8 @@ double distance_within(const TriangleTree& a, const TriangleTree& b, double limi
       }
       continue;
     }
-    const bool split_a = !a.is_leaf(two.a) && (b.is_leaf(two.b) || a.box(two.a).diagonal() >=
-                                                                       b.box(two.b).diagonal());
+    const bool split_a = !a.is_leaf(two.a) &&
+                         (b.is_leaf(two.b) || a.box(two.a).diagonal() >= b.box(two.b).diagonal());
     Two children[2];
     for (std::size_t k = 0; k < 2; ++k) {
       children[k] = two;
@@ -281,8 +283,7 @@ bool contains(const TriangleTree& tree, const Vector3& point) {
         const Vector3& low = up ? c[k] : c[(k + 1) % 3];
         const Vector3& high = up ? c[(k + 1) % 3] : c[k];
         if (point[1] < low[1] || point[1] >= high[1]) continue;
-        const double x =
-            low[0] + (point[1] - low[1]) * ((high[0] - low[0]) / (high[1] - low[1]));
+        const double x = low[0] + (point[1] - low[1]) * ((high[0] - low[0]) / (high[1] - low[1]));
         if (x > point[0]) meets += up ? 1 : -1;
       }
       if (meets == 0) continue;

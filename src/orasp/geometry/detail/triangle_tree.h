@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "orasp/geometry/mesh.h"
 #include "orasp/geometry/detail/vector_math.h"
+#include "orasp/geometry/mesh.h"
 
 namespace orasp::detail {
 
@@ -23,7 +23,7 @@ class TriangleTree {
   explicit TriangleTree(const Mesh& mesh);
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
-  [[nodiscard]] std::size_t leaves() const { return leaves_; }  ///< a power of 2
+  [[nodiscard]] std::size_t leaves() const { return leaves_; }                   ///< a power of 2
   [[nodiscard]] const Box& box(std::size_t node) const { return boxes_[node]; }  ///< root: 1
   [[nodiscard]] bool is_leaf(std::size_t node) const { return node >= leaves_; }
   /// The triangles of a leaf, as a range of positions.

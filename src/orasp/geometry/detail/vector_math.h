@@ -23,7 +23,9 @@ namespace orasp::detail {
 [[nodiscard]] constexpr Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-[[nodiscard]] inline double length(const Vector3& a) { return std::sqrt(dot(a, a)); }
+[[nodiscard]] inline double length(const Vector3& a) {
+  return std::sqrt(dot(a, a));
+}
 
 /// Of length 1; a vector without a direction stays 0.
 [[nodiscard]] inline Vector3 normalized(const Vector3& a) {
