@@ -226,13 +226,13 @@ TEST(FindBlocking, EndsOnNumbersThatAreNone) {
 TEST(FindBlocking, IsTheSameToTheLastBitForAnyNumberOfThreads) {
   std::vector<CadPart> parts;
   for (const MadeCase& made : shapes::made_cases()) {
-    const Vector3 at = {static_cast<double>(parts.size()) * 9, 0, 0};
+    const Vector3 at = {static_cast<double>(parts.size()) * 12, 0, 0};
     parts.push_back(part(shapes::shifted(made.a, at)));
     parts.push_back(part(shapes::shifted(made.b, at)));
     if (parts.size() >= 16) break;
   }
   const auto one = facts_of(parts, six_axes(), with_tolerance(0.1, 1));
-  ASSERT_GT(one.size(), 50U);
+  ASSERT_GT(one.size(), 100U);
   for (const unsigned threads : {2U, 5U}) {
     const auto more = facts_of(parts, six_axes(), with_tolerance(0.1, threads));
     ASSERT_EQ(more.size(), one.size());

@@ -118,8 +118,10 @@ struct Cone {
   }
 };
 
-// What one contact suggests: of the directions of the two parts' faces and of the rays where two of
-// the contact's planes meet those that its cone holds.
+// What one contact suggests: of the directions of the two parts' faces, and of the rays where two of
+// the contact's planes meet, those that its cone holds. Between two faces that look at one another,
+// as in a slot, the cone is flat and may have no such ray but the slot's length: the directions
+// across that, and those in which the parts' other faces cut the slot, are offered as well.
 std::vector<Candidate> suggested_by(const Cone& cone, const std::vector<Candidate>& faces_a,
                                     const std::vector<Candidate>& faces_b) {
   std::vector<Candidate> found;
@@ -129,11 +131,30 @@ std::vector<Candidate> suggested_by(const Cone& cone, const std::vector<Candidat
   for (const Candidate& face : faces_a) offer(face.direction, face.area);
   for (const Candidate& face : faces_b) offer(face.direction, face.area);
   const std::size_t size = std::min(kNormals, cone.patches.size());
+  std::vector<Candidate> cuts;
+  for (const std::vector<Candidate>* faces : {&faces_a, &faces_b}) {
+    cuts.insert(cuts.end(), faces->begin(),
+                faces->begin() + static_cast<std::ptrdiff_t>(std::min(kNormals, faces->size())));
+  }
+  std::vector<std::size_t> walls;
   for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = i + 1; j < size; ++j) {
-      const Vector3 ray = cross(cone.patches[i].normal, cone.patches[j].normal);
+    const ContactPatch& one = cone.patches[i];
+    bool opposed = false;
+    for (std::size_t j = 0; j < size; ++j) {
+      const ContactPatch& other = cone.patches[j];
+      opposed = opposed || dot(one.normal, other.normal) < -kSame;
+      const Vector3 ray = cross(one.normal, other.normal);
+      if (j <= i || length(ray) < 0.02) continue;
+      cuts.push_back({detail::normalized(ray), std::min(one.area, other.area)});
+      offer(cuts.back().direction, cuts.back().area);
+    }
+    if (opposed) walls.push_back(i);
+  }
+  for (const std::size_t wall : walls) {
+    for (const Candidate& cut : cuts) {
+      const Vector3 ray = cross(cone.patches[wall].normal, cut.direction);
       if (length(ray) < 0.02) continue;
-      offer(detail::normalized(ray), std::min(cone.patches[i].area, cone.patches[j].area));
+      offer(detail::normalized(ray), std::min(cone.patches[wall].area, cut.area));
     }
   }
   return found;

@@ -157,24 +157,51 @@ std::vector<ContactPatch> contact_patches(const PartShape& a, const PartShape& b
 }
 
 std::vector<ContactPatch> gathered_by_normal(std::vector<ContactPatch> patches, double cosine) {
-  std::stable_sort(patches.begin(), patches.end(),
-                   [](const ContactPatch& x, const ContactPatch& y) {
-                     return x.area != y.area ? x.area > y.area : x.normal > y.normal;
-                   });
+  const auto larger = [](const ContactPatch& x, const ContactPatch& y) {
+    return x.area != y.area ? x.area > y.area : x.normal > y.normal;
+  };
+  const auto join = [](ContactPatch& one, const ContactPatch& other) {
+    one.gap = (one.gap * one.area + other.gap * other.area) / (one.area + other.area);
+    one.area += other.area;
+  };
+  struct Rounded {
+    std::array<int, 3> place;
+    std::size_t patch;
+  };
+  std::vector<Rounded> order(patches.size());
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      order[i].place[k] = static_cast<int>(std::lround(patches[i].normal[k] * 1000));
+    }
+    order[i].patch = i;
+  }
+  std::sort(order.begin(), order.end(), [&](const Rounded& x, const Rounded& y) {
+    if (x.place != y.place) return x.place < y.place;
+    const ContactPatch& one = patches[x.patch];
+    const ContactPatch& other = patches[y.patch];
+    return larger(one, other) || (!larger(other, one) && x.patch < y.patch);
+  });
+  std::vector<ContactPatch> distinct;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i > 0 && order[i].place == order[i - 1].place) {
+      join(distinct.back(), patches[order[i].patch]);
+    } else {
+      distinct.push_back(patches[order[i].patch]);
+    }
+  }
+  std::stable_sort(distinct.begin(), distinct.end(), larger);
   std::vector<ContactPatch> gathered;
-  for (const ContactPatch& patch : patches) {
+  for (const ContactPatch& patch : distinct) {
     const auto same = std::find_if(
         gathered.begin(), gathered.end(),
         [&](const ContactPatch& other) { return dot(other.normal, patch.normal) >= cosine; });
     if (same == gathered.end()) {
       gathered.push_back(patch);
     } else {
-      same->gap = (same->gap * same->area + patch.gap * patch.area) / (same->area + patch.area);
-      same->area += patch.area;
+      join(*same, patch);
     }
   }
-  std::stable_sort(gathered.begin(), gathered.end(),
-                   [](const ContactPatch& x, const ContactPatch& y) { return x.area > y.area; });
+  std::stable_sort(gathered.begin(), gathered.end(), larger);
   return gathered;
 }
 

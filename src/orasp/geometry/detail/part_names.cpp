@@ -31,7 +31,7 @@ std::vector<std::string> words_of(std::string_view name) {
       if (!words.back().empty()) words.emplace_back();
       continue;
     }
-    if (is_upper(c) && i > 0 && is_lower(name[i - 1]) && name[i - 1] != 'x') words.emplace_back();
+    if (is_upper(c) && i > 0 && is_lower(name[i - 1])) words.emplace_back();
     words.back() += is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
   }
   if (words.back().empty()) words.pop_back();
@@ -82,7 +82,6 @@ bool names_fastener(std::string_view name) {
     if (word == "leadscrew" || word == "ballscrew") return false;
     if (is_fastener_word(word) || is_thread(word)) {
       if (i > 0 && among(kDrives, words[i - 1])) return false;
-      if (is_thread(word) && words.size() > 1 && i == 0 && is_number(words[1])) return true;
       return true;
     }
     for (const std::string_view standard : kStandards) {
