@@ -160,16 +160,16 @@ std::vector<BlockingFact> find_blocking(std::span<const CadPart> parts,
       view.a = &scene.views()[pair.a];
       view.b = &scene.views()[pair.b];
       view.frame = frame;
-      view.a_inside_out = shapes[pair.a].inside_out;
-      view.b_inside_out = shapes[pair.b].inside_out;
+      view.closed = {shapes[pair.a].closed, shapes[pair.b].closed};
+      view.inside_out = {shapes[pair.a].inside_out, shapes[pair.b].inside_out};
       view.tolerance = settings.tolerance;
       view.width_limit = least;
       const auto touch = std::lower_bound(touching.begin(), touching.end(), pair,
                                           [](const Touching& x, const Pair& y) {
                                             return std::pair(x.a, x.b) < std::pair(y.a, y.b);
                                           });
-      if (touch != touching.end() && touch->a == pair.a && touch->b == pair.b &&
-          shapes[pair.a].closed && shapes[pair.b].closed) {
+      if (touch != touching.end() && touch->a == pair.a && touch->b == pair.b && view.closed[0] &&
+          view.closed[1]) {
         view.overlap = true;
         view.width_limit = std::max(least, 1.5 * touch->thickness);
       }

@@ -40,39 +40,99 @@ std::string counted(std::size_t number, const std::string& noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
+/// Questions that the same products ask many times are asked once.
+class Questions {
+ public:
+  explicit Questions(ImportedAssembly& assembly) : assembly_(assembly) {}
+
+  void ask(std::uint32_t a, std::uint32_t b, const std::string& rest) {
+    const std::pair key(assembly_.parts[a].equal, assembly_.parts[b].equal);
+    const auto [entry, is_new] = position_.emplace(key, pairs_.size());
+    if (is_new)
+      pairs_.push_back({quoted(assembly_.parts[a].id), quoted(assembly_.parts[b].id), rest, 0});
+    ++pairs_[entry->second].count;
+  }
+  void put() {
+    for (const Pair& pair : pairs_) {
+      const std::string more =
+          pair.count > 1 ? " (and " + counted(pair.count - 1, "pair") + " like them)" : "";
+      assembly_.questions.push_back(pair.a + " and " + pair.b + more + pair.rest);
+    }
+  }
+
+ private:
+  struct Pair {
+    std::string a;
+    std::string b;
+    std::string rest;
+    std::size_t count;
+  };
+  ImportedAssembly& assembly_;
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> position_;
+  std::vector<Pair> pairs_;
+};
+
 void find_overlaps(ImportedAssembly& assembly) {
+  Questions questions(assembly);
+  std::size_t faults = 0;
   for (std::size_t c = 0; c < assembly.contacts.size(); ++c) {
     const Contact& contact = assembly.contacts[c];
     if (!contact.overlap) continue;
     ImportedOverlap overlap{.contact = c};
-    const std::string& a = assembly.parts[contact.a].id;
-    const std::string& b = assembly.parts[contact.b].id;
-    const bool threaded = contact.kind == Contact::Kind::Fastener;
-    if (contact.overlap->share > kInside && !threaded) {
-      overlap.verdict = OverlapVerdict::Inside;
-      assembly.questions.push_back(
-          quoted(a) + " and " + quoted(b) +
-          " are drawn inside each other: " + number_text(100 * contact.overlap->share) +
-          " % of the smaller part; exclude one of them if they are alternatives, or mend the "
-          "drawing if one should have a hole");
-    } else if (threaded) {
+    if (contact.kind == Contact::Kind::Fastener) {
       overlap.verdict = OverlapVerdict::Thread;
+    } else if (contact.overlap->share > kInside) {
+      overlap.verdict = OverlapVerdict::Inside;
+      questions.ask(contact.a, contact.b,
+                    " are drawn inside each other, " +
+                        number_text(std::min(100.0, 100 * contact.overlap->share)) +
+                        " % of the smaller part: exclude one of them if they are alternatives, or "
+                        "mend the drawing if one should have a hole");
+    } else if (contact.kind == Contact::Kind::Touch) {
+      overlap.verdict = OverlapVerdict::Drawing;
+      ++faults;
     }
     assembly.overlaps.push_back(overlap);
+  }
+  questions.put();
+  if (faults > 0) {
+    assembly.warnings.push_back(
+        counted(faults, "pair") + (faults == 1 ? " is" : " are") +
+        " drawn over each other where nothing tells of a thread or a press fit; the overlap is "
+        "taken for a fault of the drawing and hinders nothing");
   }
 }
 
 void find_locked(ImportedAssembly& assembly) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
   for (const Contact& contact : assembly.contacts) joined.insert({contact.a, contact.b});
+  constexpr std::size_t kNone = ~std::size_t{0};
+  std::vector<std::size_t> stuck_in(assembly.parts.size(), kNone);
+  for (std::size_t group = 0; group < assembly.stuck.size(); ++group) {
+    for (const std::uint32_t part : assembly.stuck[group]) stuck_in[part] = group;
+  }
+  std::set<std::size_t> told;
+  Questions questions(assembly);
   for (const PairFacts& pair : facts_by_pair(assembly)) {
     if (pair.facts.size() < 2 * assembly.directions.size()) continue;
     const bool touch = joined.contains({pair.part, pair.by});
     assembly.locked.push_back({.a = pair.part, .b = pair.by, .joined = touch});
+    if (stuck_in[pair.part] == kNone || stuck_in[pair.part] != stuck_in[pair.by]) continue;
+    told.insert(stuck_in[pair.part]);
+    questions.ask(pair.part, pair.by,
+                  " block each other along every direction, so nothing can part them: is one of "
+                  "them flexible, to be left out, or free along a direction that is not looked "
+                  "at?");
+  }
+  questions.put();
+  for (std::size_t group = 0; group < assembly.stuck.size(); ++group) {
+    if (told.contains(group)) continue;
+    const auto& parts = assembly.stuck[group];
     assembly.questions.push_back(
-        quoted(assembly.parts[pair.part].id) + " and " + quoted(assembly.parts[pair.by].id) +
-        " block each other along every direction, so nothing can part them: is one of them "
-        "flexible, to be left out, or free along a direction that is not looked at?");
+        counted(parts.size(), "part") + ", " + quoted(assembly.parts[parts[0]].id) + " and " +
+        quoted(assembly.parts[parts[1]].id) + " among them, lock each other: no straight motion " +
+        "takes any of them out of the others; is one flexible, to be left out, or free along a "
+        "direction that is not looked at?");
   }
 }
 
@@ -110,14 +170,15 @@ void find_groups(ImportedAssembly& assembly) {
 }
 
 void note_proposed(ImportedAssembly& assembly) {
+  Questions questions(assembly);
   for (const Contact& contact : assembly.contacts) {
     if (!contact.proposed) continue;
-    assembly.questions.push_back(quoted(assembly.parts[contact.a].id) + " and " +
-                                 quoted(assembly.parts[contact.b].id) + " are " +
-                                 number_text(contact.distance) +
-                                 " mm apart, and one of them touches nothing: they are taken for "
-                                 "joined, is that so?");
+    questions.ask(contact.a, contact.b,
+                  " are " + number_text(contact.distance) +
+                      " mm apart, and one of them touches nothing: they are taken for joined, is "
+                      "that so?");
   }
+  questions.put();
 }
 
 void note_sizes(ImportedAssembly& assembly) {

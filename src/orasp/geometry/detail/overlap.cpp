@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kFewLines = 2304;      // of the raster along one axis that looks for an overlap
 constexpr double kLines = 16384;        // of the one that measures it
-constexpr std::size_t kMiddles = 4000;  // places along one axis whose depth is looked at
+constexpr std::size_t kMiddles = 1000;  // places along one axis whose depth is looked at
 
 // A place in the middle of a stretch that both parts cover, and half the length of the stretch.
 struct Middle {
@@ -68,25 +68,30 @@ AxisMap look_along(std::size_t axis, const PartShape& a, const PartShape& b, con
   map.grid = Grid::over(shadow, std::sqrt(shadow.width() * shadow.height() / wanted));
   const AllCells cells(map.grid);
   map.covered.assign(cells.lines(), 0);
+  // Only lines between whose ends in both parts something is shared can hold an overlap.
   std::array<std::vector<Corners>, 2> triangles;
-  std::vector<std::uint8_t> met(cells.lines(), 0);
+  std::array<std::vector<Interval>, 2> ends;
   for (std::size_t part = 0; part < 2; ++part) {
     const View view = {part == 0 ? &a.tree : &b.tree, nullptr, box};
     gather(view, frame, shadow, triangles[part]);
-    const auto bit = static_cast<std::uint8_t>(part + 1);
+    ends[part].assign(cells.lines(), {1e300, -1e300});
     for (const Corners& c : triangles[part]) {
-      cells.for_lines(c, [&](std::size_t line, double, bool) {
-        met[line] = static_cast<std::uint8_t>(met[line] | bit);
+      cells.for_lines(c, [&](std::size_t line, double height, bool) {
+        Interval& range = ends[part][line];
+        range = {std::min(range.low, height), std::max(range.high, height)};
       });
     }
   }
   std::vector<std::uint32_t> slots(cells.lines(), Crossings::kNoSlot);
   std::vector<std::uint32_t> lines;
   for (std::size_t line = 0; line < cells.lines(); ++line) {
-    if (met[line] != 3) continue;
+    const double shared = std::min(ends[0][line].high, ends[1][line].high) -
+                          std::max(ends[0][line].low, ends[1][line].low);
+    if (!(shared > 1e-3 * tolerance)) continue;
     slots[line] = static_cast<std::uint32_t>(lines.size());
     lines.push_back(static_cast<std::uint32_t>(line));
   }
+  if (lines.empty()) return map;
   std::array<Crossings, 2> crossings;
   crossings[0].collect(cells, triangles[0], slots, lines.size(), a.inside_out);
   crossings[1].collect(cells, triangles[1], slots, lines.size(), b.inside_out);

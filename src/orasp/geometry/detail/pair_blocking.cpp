@@ -28,18 +28,38 @@ double PairBlocking::beyond(int side, std::size_t line) const {
   return extremes_[1 - side].last[line] - extremes_[side].first[line];
 }
 
+// Finds the extremes that the open sides need. A line leaves a closed part for the last time where
+// the surface faces along it, and enters it first where the surface faces against it: the other
+// triangles need no look.
 template <class Cells>
-void PairBlocking::look(const Cells& cells) {
+void PairBlocking::look(const Cells& cells, const PairView& pair, const std::array<bool, 2>& open) {
   for (std::size_t part = 0; part < 2; ++part) {
+    const bool needs_first = open[part] || pair.overlap;
+    const bool needs_last = open[1 - part] || pair.overlap;
     Extremes& extremes = extremes_[part];
-    extremes.first.assign(cells.lines(), kInfinity);
-    extremes.last.assign(cells.lines(), -kInfinity);
+    if (needs_first) extremes.first.assign(cells.lines(), kInfinity);
+    if (needs_last) extremes.last.assign(cells.lines(), -kInfinity);
     double* const first = extremes.first.data();
     double* const last = extremes.last.data();
+    const bool turned = pair.inside_out[part];
     for (const Corners& c : triangles_[part]) {
+      if (pair.closed[part]) {
+        const bool leaves = (twice_shadow(c) > 0) != turned;
+        if (leaves ? !needs_last : !needs_first) continue;
+        if (leaves) {
+          cells.for_lines(c, [=](std::size_t line, double height, bool) {
+            last[line] = std::max(last[line], height);
+          });
+        } else {
+          cells.for_lines(c, [=](std::size_t line, double height, bool) {
+            first[line] = std::min(first[line], height);
+          });
+        }
+        continue;
+      }
       cells.for_lines(c, [=](std::size_t line, double height, bool) {
-        first[line] = std::min(first[line], height);
-        last[line] = std::max(last[line], height);
+        if (needs_first) first[line] = std::min(first[line], height);
+        if (needs_last) last[line] = std::max(last[line], height);
       });
     }
   }
@@ -63,22 +83,32 @@ double PairBlocking::depth_at(const Cells& cells, int side, const WidestPlace& p
   return depth;
 }
 
-// Marks in without_ the lines that stay blocked where one part gives way to the other.
+// Marks in without_ the lines that stay blocked where one part gives way to the other. Where the
+// mover begins before the other part does, taking that away leaves its beginning, and where the
+// other ends after the mover its end: most lines are settled without their intervals.
 template <class Cells>
 void PairBlocking::subtract(const Cells& cells, const PairView& pair, int side) {
-  slots_.assign(cells.lines(), Crossings::kNoSlot);
-  lines_.clear();
-  for (std::size_t line = 0; line < cells.lines(); ++line) {
-    if (beyond(side, line) <= pair.tolerance) continue;
-    slots_[line] = static_cast<std::uint32_t>(lines_.size());
-    lines_.push_back(static_cast<std::uint32_t>(line));
-  }
-  crossings_[0].collect(cells, triangles_[0], slots_, lines_.size(), pair.a_inside_out);
-  crossings_[1].collect(cells, triangles_[1], slots_, lines_.size(), pair.b_inside_out);
-  for (CellMask& mask : without_) mask.reset(cells.grid().columns, cells.grid().rows);
   const auto mover = static_cast<std::size_t>(side);
   const std::size_t other = 1 - mover;
   const double sliver = pair.tolerance / 2;
+  slots_.assign(cells.lines(), Crossings::kNoSlot);
+  lines_.clear();
+  for (CellMask& mask : without_) mask.reset(cells.grid().columns, cells.grid().rows);
+  for (std::size_t line = 0; line < cells.lines(); ++line) {
+    if (beyond(side, line) <= pair.tolerance) continue;
+    const bool begins = extremes_[mover].first[line] < extremes_[other].first[line] - sliver;
+    const bool ends = extremes_[other].last[line] > extremes_[mover].last[line] + sliver;
+    if (begins && ends) {
+      for (CellMask& mask : without_) mask.add(cells.column(line), cells.row(line));
+      continue;
+    }
+    slots_[line] = static_cast<std::uint32_t>(lines_.size());
+    lines_.push_back(static_cast<std::uint32_t>(line));
+  }
+  if (lines_.empty()) return;
+  for (std::size_t part = 0; part < 2; ++part) {
+    crossings_[part].collect(cells, triangles_[part], slots_, lines_.size(), pair.inside_out[part]);
+  }
   for (std::size_t slot = 0; slot < lines_.size(); ++slot) {
     const std::size_t line = lines_[slot];
     for (std::size_t part = 0; part < 2; ++part) {
@@ -145,7 +175,9 @@ PairBlocking::Region PairBlocking::sharpened(const Cells& cells, const PairView&
   if (sharper < 2) return {};
   std::swap(extremes_, aside_);
   sharp_.reset(coarse, times * sharper, chosen);
-  look(sharp_);
+  std::array<bool, 2> open = {};
+  open[static_cast<std::size_t>(side)] = true;
+  look(sharp_, pair, open);
   Region region = judge(sharp_, pair, side, narrowest * sharper);
   region.cell = sharp_.grid().side;
   std::swap(extremes_, aside_);
@@ -154,7 +186,7 @@ PairBlocking::Region PairBlocking::sharpened(const Cells& cells, const PairView&
 
 // Chooses the cells in which some of the one part may lie beyond some of the other.
 std::size_t PairBlocking::choose_cells(const Grid& grid, const PairView& pair,
-                                       const bool (&open)[2]) {
+                                       const std::array<bool, 2>& open) {
   for (std::size_t part = 0; part < 2; ++part) {
     low_[part].assign(grid.cells(), kInfinity);
     high_[part].assign(grid.cells(), -kInfinity);
@@ -184,7 +216,8 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
   const Box& b = pair.b->box;
   const Rectangle shadow = {std::max(a.low[0], b.low[0]), std::min(a.high[0], b.high[0]),
                             std::max(a.low[1], b.low[1]), std::min(a.high[1], b.high[1])};
-  bool open[2] = {b.high[2] - a.low[2] > pair.tolerance, a.high[2] - b.low[2] > pair.tolerance};
+  std::array<bool, 2> open = {b.high[2] - a.low[2] > pair.tolerance,
+                              a.high[2] - b.low[2] > pair.tolerance};
   const double narrow = std::min(shadow.width(), shadow.height());
   if (!(narrow > pair.width_limit) || !std::isfinite(shadow.width() * shadow.height())) {
     return verdicts;
@@ -200,7 +233,7 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
   // is how many cells wider than the limit a region must be.
   const auto settle = [&](const auto& cells, double doubt, bool last) {
     const double cell = cells.grid().side;
-    look(cells);
+    look(cells, pair, open);
     for (std::size_t s = 0; s < 2; ++s) {
       if (!open[s]) continue;
       const double narrowest = pair.width_limit / cell - (last ? 1.5 : -doubt);

@@ -15,8 +15,8 @@ struct PairView {
   const View* a = nullptr;
   const View* b = nullptr;
   Frame frame;
-  bool a_inside_out = false;
-  bool b_inside_out = false;
+  std::array<bool, 2> closed = {false, false};
+  std::array<bool, 2> inside_out = {false, false};
   bool overlap = false;      ///< they touch, and both are closed: what both cover counts for none
   double tolerance = 0.1;    ///< mm
   double width_limit = 0.2;  ///< mm: a region no wider than this blocks nothing
@@ -37,7 +37,7 @@ class PairBlocking {
   [[nodiscard]] std::array<PairVerdict, 2> decide(const PairView& pair);
 
  private:
-  // What one part covers on each line.
+  // Where each line first and last meets a part.
   struct Extremes {
     std::vector<double> first, last;
   };
@@ -55,7 +55,7 @@ class PairBlocking {
   };
 
   template <class Cells>
-  void look(const Cells& cells);
+  void look(const Cells& cells, const PairView& pair, const std::array<bool, 2>& open);
   template <class Cells>
   Region judge(const Cells& cells, const PairView& pair, int side, double narrowest);
   template <class Cells>
@@ -65,7 +65,7 @@ class PairBlocking {
   [[nodiscard]] double beyond(int side, std::size_t line) const;
   template <class Cells>
   Region sharpened(const Cells& cells, const PairView& pair, int side, double narrowest);
-  std::size_t choose_cells(const Grid& grid, const PairView& pair, const bool (&open)[2]);
+  std::size_t choose_cells(const Grid& grid, const PairView& pair, const std::array<bool, 2>& open);
 
   std::vector<Corners> triangles_[2];
   Extremes extremes_[2];        // of a and b, on the lines of the present look
