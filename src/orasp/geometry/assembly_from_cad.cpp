@@ -4,12 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "orasp/geometry/detail/import_findings.h"
+#include "orasp/geometry/detail/take_apart.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -138,6 +138,18 @@ void add_blocking(ImportedAssembly& assembly) {
   assembly.problem.blocking = std::move(blocking);
 }
 
+void take_apart(ImportedAssembly& assembly, const std::vector<bool>& fixed) {
+  std::vector<detail::BlockedAlong> blocked;
+  for (const BlockingFact& fact : assembly.facts)
+    blocked.push_back({fact.part, fact.by, 2 * fact.direction});
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;
+  for (const Contact& contact : assembly.contacts) joined.emplace_back(contact.a, contact.b);
+  detail::TakenApart apart = detail::take_apart(
+      assembly.parts.size(), 2 * assembly.directions.size(), blocked, joined, fixed);
+  assembly.moved = apart.moved;
+  assembly.stuck = std::move(apart.stuck);
+}
+
 void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
   ProblemSpec& problem = assembly.problem;
   problem.name = assembly.model.name;
@@ -157,24 +169,21 @@ void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
   }
   add_connections(assembly, settings);
   add_blocking(assembly);
-  for (const std::size_t part : settings.base.empty()
-                                    ? std::vector<std::size_t>()
-                                    : parts_listed(settings.base, assembly.parts, "base"))
-    problem.base.push_back(assembly.parts[part].id);
+  std::vector<bool> fixed(assembly.parts.size(), false);
+  if (!settings.base.empty()) {
+    for (const std::size_t part : parts_listed(settings.base, assembly.parts, "base")) {
+      fixed[part] = true;
+      problem.base.push_back(assembly.parts[part].id);
+    }
+  }
+  take_apart(assembly, fixed);
   problem.action = settings.action;
-  if (settings.action == StepKind::Part)
-    problem.limits.max_moved_parts = default_moved_parts(assembly.parts.size());
+  // Subassemblies that need not move at once are not tried: they are many.
+  if (settings.action == StepKind::Part) problem.limits.max_moved_parts = assembly.moved;
   problem.objective = Objective::named("time");
 }
 
 }  // namespace
-
-std::optional<std::size_t> default_moved_parts(std::size_t parts) {
-  constexpr std::size_t kFew = 12;  // every subassembly of so many parts can be tried
-  constexpr std::size_t kSome = 24;
-  if (parts <= kFew) return std::nullopt;
-  return parts <= kSome ? 3 : 1;
-}
 
 std::vector<PairFacts> facts_by_pair(const ImportedAssembly& assembly) {
   struct Entry {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -43,6 +42,7 @@ struct ImportSettings {
 enum class OverlapVerdict {
   Thread,    ///< a screw or nut in its thread
   PressFit,  ///< a ring or a flank that is drawn a little too large
+  Drawing,   ///< faces that only touch are drawn over each other: a fault, most likely
   Inside,    ///< more than a fifth of the smaller part lies inside of the other
 };
 
@@ -75,6 +75,9 @@ struct ImportedAssembly {
   std::vector<ImportedOverlap> overlaps;
   std::vector<LockedPair> locked;
   std::vector<std::size_t> near_facts;  ///< facts that are little wider than the tolerance allows
+  std::size_t moved = 1;  ///< parts that must move at once somewhere; 1: all come off one by one
+  /// Parts of one piece that no order of straight motions takes apart; sorted.
+  std::vector<std::vector<std::uint32_t>> stuck;
   std::vector<std::vector<std::uint32_t>> groups;  ///< that no connection joins; largest first
   std::vector<std::string> questions;  ///< what only the user can answer, each a sentence
   std::vector<std::string> warnings;   ///< what was left out or assumed, each a sentence
@@ -100,9 +103,5 @@ struct PairFacts {
 };
 /// All pairs with a fact, sorted.
 [[nodiscard]] std::vector<PairFacts> facts_by_pair(const ImportedAssembly& assembly);
-
-/// The largest number of parts that a step may take, so that planners keep up with the product;
-/// nothing: no limit.
-[[nodiscard]] std::optional<std::size_t> default_moved_parts(std::size_t parts);
 
 }  // namespace orasp

@@ -29,3 +29,5 @@ class MeshReader {
 [[nodiscard]] std::optional<std::string> mesh_reader_obstacle();
 /// @throws InputError if the module is missing or cannot be loaded, with how to get it.
 [[nodiscard]] std::unique_ptr<MeshReader> make_mesh_reader();
+
+}  // namespace orasp
