@@ -10,12 +10,6 @@
 
 namespace orasp::detail {
 
-/// A stretch of a line of sight that lies inside of a part.
-struct Interval {
-  double low = 0.0;
-  double high = 0.0;
-};
-
 /// Where chosen lines meet the surface of a part, as one flat array with the lines' shares of it.
 class Crossings {
  public:

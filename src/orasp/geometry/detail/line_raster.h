@@ -11,6 +11,12 @@
 
 namespace orasp::detail {
 
+/// A stretch along a line.
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
 /// A rectangle across the lines of sight.
 struct Rectangle {
   double low_u, high_u, low_v, high_v;
@@ -139,50 +145,50 @@ void for_runs(const Grid& grid, const Corners& c, Meet&& meet) {
   }
 }
 
-/// Calls meet(cell, least height, greatest height) for each cell that a triangle reaches into, with
-/// bounds on its heights there. A triangle that stands upright reaches into the cells below it.
-template <class Meet>
-void for_cells(const Grid& grid, const Corners& c, Meet&& meet) {
-  const Slope slope(c);
-  const double reach = (std::abs(slope.along_u) + std::abs(slope.along_v)) * grid.side / 2;
-  const bool upright = twice_shadow(c) == 0 || !std::isfinite(reach);
-  const int begin = grid.row_of(std::min({c[0][1], c[1][1], c[2][1]}));
-  const int end = grid.row_of(std::max({c[0][1], c[1][1], c[2][1]}));
-  for (int row = begin; row <= end; ++row) {
-    const double low_v = grid.low_v + row * grid.side;
-    const double high_v = low_v + grid.side;
-    double low_u = 1e300;
-    double high_u = -1e300;
-    const auto reach_to = [&](double u) {
-      low_u = std::min(low_u, u);
-      high_u = std::max(high_u, u);
-    };
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3& p = c[k];
-      const Vector3& q = c[k == 2 ? 0 : k + 1];
-      if (p[1] >= low_v && p[1] <= high_v) reach_to(p[0]);
-      for (const double v : {low_v, high_v}) {
-        if ((p[1] < v) != (q[1] < v)) reach_to(p[0] + (v - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
-      }
+/// Bounds on the heights of a triangle over the cells of a grid.
+class CellBounds {
+ public:
+  CellBounds(const Grid& grid, const Corners& c)
+      : grid_(grid),
+        slope_(c),
+        reach_((std::abs(slope_.along_u) + std::abs(slope_.along_v)) * grid.side / 2),
+        upright_(twice_shadow(c) == 0 || !std::isfinite(reach_)) {}
+
+  [[nodiscard]] Interval over(int column, int row) const {
+    double low = slope_.low_w;
+    double high = slope_.high_w;
+    if (!upright_) {
+      const double middle = slope_.w + (grid_.centre_u(column) - slope_.u) * slope_.along_u +
+                            (grid_.centre_v(row) - slope_.v) * slope_.along_v;
+      low = std::max(low, std::min(high, middle - reach_));
+      high = std::min(high, std::max(low, middle + reach_));
     }
-    if (low_u > high_u || high_u < grid.low_u || low_u > grid.low_u + grid.side * grid.columns) {
-      continue;
-    }
-    const int last = grid.column_of(high_u);
-    for (int column = grid.column_of(low_u); column <= last; ++column) {
-      double low = slope.low_w;
-      double high = slope.high_w;
-      if (!upright) {
-        const double middle = slope.w + (grid.centre_u(column) - slope.u) * slope.along_u +
-                              (grid.centre_v(row) - slope.v) * slope.along_v;
-        low = std::max(low, std::min(high, middle - reach));
-        high = std::min(high, std::max(low, middle + reach));
-      }
-      meet(static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) +
-               static_cast<std::size_t>(column),
-           low, high);
+    return {low, high};
+  }
+
+ private:
+  const Grid& grid_;
+  Slope slope_;
+  double reach_;
+  bool upright_;
+};
+
+/// What a triangle covers along u of the row of cells from low_v to high_v; empty where low > high.
+[[nodiscard]] inline Interval reach_in_row(const Corners& c, double low_v, double high_v) {
+  Interval reach{1e300, -1e300};
+  const auto reach_to = [&](double u) {
+    reach.low = std::min(reach.low, u);
+    reach.high = std::max(reach.high, u);
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3& p = c[k];
+    const Vector3& q = c[k == 2 ? 0 : k + 1];
+    if (p[1] >= low_v && p[1] <= high_v) reach_to(p[0]);
+    for (const double v : {low_v, high_v}) {
+      if ((p[1] < v) != (q[1] < v)) reach_to(p[0] + (v - p[1]) / (q[1] - p[1]) * (q[0] - p[0]));
     }
   }
+  return reach;
 }
 
 /// No line.
@@ -217,6 +223,25 @@ class AllCells {
       }
     });
   }
+  /// Calls meet(cell, bounds of heights there) for each cell that a triangle reaches into. One that
+  /// stands upright reaches into the cells below it.
+  template <class Meet>
+  void for_cells(const Corners& c, Meet&& meet) const {
+    const CellBounds bounds(grid_, c);
+    const int end = grid_.row_of(std::max({c[0][1], c[1][1], c[2][1]}));
+    for (int row = grid_.row_of(std::min({c[0][1], c[1][1], c[2][1]})); row <= end; ++row) {
+      const double low_v = grid_.low_v + row * grid_.side;
+      const Interval reach = reach_in_row(c, low_v, low_v + grid_.side);
+      if (reach.low > reach.high || reach.high < grid_.low_u ||
+          reach.low > grid_.low_u + grid_.side * grid_.columns) {
+        continue;
+      }
+      const int last = grid_.column_of(reach.high);
+      for (int column = grid_.column_of(reach.low); column <= last; ++column) {
+        meet(line_at(column, row), bounds.over(column, row));
+      }
+    }
+  }
 
  private:
   Grid grid_;
@@ -240,8 +265,16 @@ class FineCells {
   /// Calls meet(line, height, up) for each line that a triangle meets.
   template <class Meet>
   void for_lines(const Corners& c, Meet&& meet) const;
+  /// Calls meet(line, bounds of heights there) for each fine cell that a triangle reaches into.
+  template <class Meet>
+  void for_cells(const Corners& c, Meet&& meet) const;
 
  private:
+  // Calls work(coarse row, first chosen cell, end of the row's cells) for the rows of cells that a
+  // triangle from column `left` to `right` and row `begin` to `last` may reach into.
+  template <class Work>
+  void for_chosen(int left, int right, int begin, int last, Work&& work) const;
+
   Grid coarse_;
   Grid fine_;
   int times_ = 1;
@@ -250,43 +283,83 @@ class FineCells {
   std::vector<std::uint32_t> row_begin_;  // of each coarse row in cells_
 };
 
+template <class Work>
+void FineCells::for_chosen(int left, int right, int begin, int last, Work&& work) const {
+  const auto columns = static_cast<std::uint32_t>(coarse_.columns);
+  for (int row = begin / times_; row <= last / times_; ++row) {
+    const auto* const first = cells_.data() + row_begin_[static_cast<std::size_t>(row)];
+    const auto* const end = cells_.data() + row_begin_[static_cast<std::size_t>(row) + 1];
+    const auto base = static_cast<std::uint32_t>(row) * columns;
+    const auto* const from =
+        std::lower_bound(first, end, base + static_cast<std::uint32_t>(left / times_));
+    if (from == end || *from > base + static_cast<std::uint32_t>(right / times_)) continue;
+    work(row, from, end);
+  }
+}
+
 template <class Meet>
 void FineCells::for_lines(const Corners& c, Meet&& meet) const {
-  const double low_v = std::min({c[0][1], c[1][1], c[2][1]});
-  const double high_v = std::max({c[0][1], c[1][1], c[2][1]});
-  const int begin = fine_.first_row(low_v);
-  const int end = fine_.first_row(high_v);
-  if (begin >= end) return;
-  const int left = fine_.first_column(std::min({c[0][0], c[1][0], c[2][0]})) / times_;
-  const int right = (fine_.first_column(std::max({c[0][0], c[1][0], c[2][0]})) - 1) / times_;
+  const int begin = fine_.first_row(std::min({c[0][1], c[1][1], c[2][1]}));
+  const int end = fine_.first_row(std::max({c[0][1], c[1][1], c[2][1]}));
+  const int left = fine_.first_column(std::min({c[0][0], c[1][0], c[2][0]}));
+  const int right = fine_.first_column(std::max({c[0][0], c[1][0], c[2][0]}));
+  if (begin >= end || left >= right) return;
   const Slope slope(c);
-  const auto columns = static_cast<std::uint32_t>(coarse_.columns);
-  for (int coarse_row = begin / times_; coarse_row <= (end - 1) / times_; ++coarse_row) {
-    const auto* const first = cells_.data() + row_begin_[static_cast<std::size_t>(coarse_row)];
-    const auto* const last = cells_.data() + row_begin_[static_cast<std::size_t>(coarse_row) + 1];
-    const auto base = static_cast<std::uint32_t>(coarse_row) * columns;
-    const auto* const from = std::lower_bound(first, last, base + static_cast<std::uint32_t>(left));
-    if (from == last || *from > base + static_cast<std::uint32_t>(std::max(left, right))) continue;
-    const int row_end = std::min(end, (coarse_row + 1) * times_);
-    for (int row = std::max(begin, coarse_row * times_); row < row_end; ++row) {
-      const double v = fine_.centre_v(row);
-      const Span span = span_at(c, v);
-      const int span_begin = fine_.first_column(span.low);
-      const int span_end = fine_.first_column(span.high);
-      if (span_begin >= span_end) continue;
-      for (const auto* cell = from; cell != last; ++cell) {
+  for_chosen(
+      left, right - 1, begin, end - 1, [&](int coarse_row, const auto* from, const auto* to) {
+        const int first_row = coarse_row * times_;
+        const auto base = static_cast<std::uint32_t>(coarse_row * coarse_.columns);
+        for (int row = std::max(begin, first_row); row < std::min(end, first_row + times_); ++row) {
+          const double v = fine_.centre_v(row);
+          const Span span = span_at(c, v);
+          const int span_begin = fine_.first_column(span.low);
+          const int span_end = fine_.first_column(span.high);
+          if (span_begin >= span_end) continue;
+          for (const auto* cell = from; cell != to; ++cell) {
+            const int cell_begin = static_cast<int>(*cell - base) * times_;
+            if (cell_begin >= span_end) break;
+            const int run_end = std::min(span_end, cell_begin + times_);
+            const std::size_t row_line =
+                static_cast<std::size_t>(cell - cells_.data()) * per_cell_ +
+                static_cast<std::size_t>((row - first_row) * times_);
+            for (int column = std::max(span_begin, cell_begin); column < run_end; ++column) {
+              meet(row_line + static_cast<std::size_t>(column - cell_begin),
+                   slope.at(fine_.centre_u(column), v), span.up);
+            }
+          }
+        }
+      });
+}
+
+template <class Meet>
+void FineCells::for_cells(const Corners& c, Meet&& meet) const {
+  const CellBounds bounds(fine_, c);
+  const int begin = fine_.row_of(std::min({c[0][1], c[1][1], c[2][1]}));
+  const int last = fine_.row_of(std::max({c[0][1], c[1][1], c[2][1]}));
+  const int left = fine_.column_of(std::min({c[0][0], c[1][0], c[2][0]}));
+  const int right = fine_.column_of(std::max({c[0][0], c[1][0], c[2][0]}));
+  for_chosen(left, right, begin, last, [&](int coarse_row, const auto* from, const auto* to) {
+    const int first_row = coarse_row * times_;
+    const auto base = static_cast<std::uint32_t>(coarse_row * coarse_.columns);
+    for (int row = std::max(begin, first_row); row <= std::min(last, first_row + times_ - 1);
+         ++row) {
+      const double low_v = fine_.low_v + row * fine_.side;
+      const Interval reach = reach_in_row(c, low_v, low_v + fine_.side);
+      if (reach.low > reach.high) continue;
+      const int reach_begin = fine_.column_of(reach.low);
+      const int reach_last = fine_.column_of(reach.high);
+      for (const auto* cell = from; cell != to; ++cell) {
         const int cell_begin = static_cast<int>(*cell - base) * times_;
-        if (cell_begin >= span_end) break;
-        const int run_end = std::min(span_end, cell_begin + times_);
+        if (cell_begin > reach_last) break;
+        const int run_last = std::min(reach_last, cell_begin + times_ - 1);
         const std::size_t row_line = static_cast<std::size_t>(cell - cells_.data()) * per_cell_ +
-                                     static_cast<std::size_t>((row - coarse_row * times_) * times_);
-        for (int column = std::max(span_begin, cell_begin); column < run_end; ++column) {
-          meet(row_line + static_cast<std::size_t>(column - cell_begin),
-               slope.at(fine_.centre_u(column), v), span.up);
+                                     static_cast<std::size_t>((row - first_row) * times_);
+        for (int column = std::max(reach_begin, cell_begin); column <= run_last; ++column) {
+          meet(row_line + static_cast<std::size_t>(column - cell_begin), bounds.over(column, row));
         }
       }
     }
-  }
+  });
 }
 
 }  // namespace orasp::detail

@@ -12,7 +12,8 @@ constexpr double kCoarseCells = 4096;   // lines of a first look
 constexpr double kSingleCells = 9216;   // so few fine lines are looked at without a first look
 constexpr double kFineLines = 600'000;  // lines of a second look at most
 constexpr int kSharper = 4;             // cuts of a fine cell where a width lies near the limit
-constexpr double kFineGrid = 32e6;      // cells of the grid that those are chosen from at most
+constexpr double kManyCuts = 12;        // of a cell of the first look: cut in two steps
+constexpr double kFineGrid = 64e6;      // cells of the grid that those are chosen from at most
 
 // The side of the cells of a first look: so that no more than about kCoarseCells cover the
 // rectangle, and a long narrow one still has a few across.
@@ -184,30 +185,55 @@ PairBlocking::Region PairBlocking::sharpened(const Cells& cells, const PairView&
   return region;
 }
 
-// Chooses the cells in which some of the one part may lie beyond some of the other.
-std::size_t PairBlocking::choose_cells(const Grid& grid, const PairView& pair,
+// Chooses, of the whole of a grid, the cells in which some of the one part may lie beyond some of
+// the other, and says how many there are.
+template <class Cells>
+std::size_t PairBlocking::choose_cells(const Cells& cells, const PairView& pair,
                                        const std::array<bool, 2>& open) {
   for (std::size_t part = 0; part < 2; ++part) {
-    low_[part].assign(grid.cells(), kInfinity);
-    high_[part].assign(grid.cells(), -kInfinity);
+    low_[part].assign(cells.lines(), kInfinity);
+    high_[part].assign(cells.lines(), -kInfinity);
     double* const lows = low_[part].data();
     double* const highs = high_[part].data();
     for (const Corners& c : triangles_[part]) {
-      for_cells(grid, c, [=](std::size_t cell, double low, double high) {
-        lows[cell] = std::min(lows[cell], low);
-        highs[cell] = std::max(highs[cell], high);
+      cells.for_cells(c, [=](std::size_t cell, const Interval& heights) {
+        lows[cell] = std::min(lows[cell], heights.low);
+        highs[cell] = std::max(highs[cell], heights.high);
       });
     }
   }
+  const Grid& grid = cells.grid();
   chosen_.assign(grid.cells(), 0);
   std::size_t count = 0;
-  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
-    const bool chosen = (open[0] && high_[1][cell] - low_[0][cell] > pair.tolerance) ||
-                        (open[1] && high_[0][cell] - low_[1][cell] > pair.tolerance);
-    chosen_[cell] = chosen ? 1 : 0;
-    count += chosen ? 1U : 0U;
+  for (std::size_t cell = 0; cell < cells.lines(); ++cell) {
+    if ((open[0] && high_[1][cell] - low_[0][cell] > pair.tolerance) ||
+        (open[1] && high_[0][cell] - low_[1][cell] > pair.tolerance)) {
+      chosen_[static_cast<std::size_t>(cells.row(cell)) * static_cast<std::size_t>(grid.columns) +
+              static_cast<std::size_t>(cells.column(cell))] = 1;
+      ++count;
+    }
   }
   return count;
+}
+
+// Chooses the lines of the second look, in the cells that may be blocked. Where a cell of the first
+// look would be cut into many, it is first cut into some, and only those that may be blocked are cut
+// further: along the outline of a shadow they are few.
+void PairBlocking::choose_lines(const AllCells& coarse, const PairView& pair,
+                                const std::array<bool, 2>& open, double finest) {
+  std::size_t count = choose_cells(coarse, pair, open);
+  Grid grid = coarse.grid();
+  if (count > 0 && grid.side > kManyCuts * finest) {
+    const auto cuts = static_cast<int>(std::min(16.0, std::sqrt(grid.side / finest)));
+    middle_.reset(grid, cuts, chosen_);
+    count = choose_cells(middle_, pair, open);
+    grid = middle_.grid();
+  }
+  const double wanted = std::ceil(grid.side / finest - 1e-9);
+  const double most = std::sqrt(std::min(kFineLines / static_cast<double>(count),
+                                         kFineGrid / static_cast<double>(grid.cells())));
+  const int times = static_cast<int>(std::max(1.0, std::floor(std::min(wanted, most))));
+  fine_.reset(grid, times, chosen_);
 }
 
 std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
@@ -225,7 +251,7 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
   gather(*pair.a, pair.frame, shadow, triangles_[0]);
   gather(*pair.b, pair.frame, shadow, triangles_[1]);
   if (triangles_[0].empty() || triangles_[1].empty()) return verdicts;
-  const double finest = pair.tolerance / 2;
+  const double finest = std::max(pair.tolerance / 2, pair.width_limit / 12);
   const bool single = shadow.width() / finest * (shadow.height() / finest) <= kSingleCells;
   const AllCells coarse(Grid::over(shadow, single ? finest : coarse_side(shadow, finest)));
 
@@ -252,14 +278,8 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
   settle(coarse, single ? 0.0 : 1.5, single);
   if (single || (!open[0] && !open[1])) return verdicts;
 
-  const std::size_t cells = choose_cells(coarse.grid(), pair, open);
-  if (cells == 0) return verdicts;
-  const double times_wanted = std::ceil(coarse.grid().side / finest - 1e-9);
-  const double times_most =
-      std::sqrt(std::min(kFineLines / static_cast<double>(cells),
-                         kFineGrid / static_cast<double>(coarse.grid().cells())));
-  const int times = static_cast<int>(std::max(1.0, std::floor(std::min(times_wanted, times_most))));
-  fine_.reset(coarse.grid(), times, chosen_);
+  choose_lines(coarse, pair, open, finest);
+  if (fine_.lines() == 0) return verdicts;
   settle(fine_, 0.0, true);
   return verdicts;
 }

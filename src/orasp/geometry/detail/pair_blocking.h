@@ -65,7 +65,11 @@ class PairBlocking {
   [[nodiscard]] double beyond(int side, std::size_t line) const;
   template <class Cells>
   Region sharpened(const Cells& cells, const PairView& pair, int side, double narrowest);
-  std::size_t choose_cells(const Grid& grid, const PairView& pair, const std::array<bool, 2>& open);
+  template <class Cells>
+  std::size_t choose_cells(const Cells& cells, const PairView& pair,
+                           const std::array<bool, 2>& open);
+  void choose_lines(const AllCells& coarse, const PairView& pair, const std::array<bool, 2>& open,
+                    double finest);
 
   std::vector<Corners> triangles_[2];
   Extremes extremes_[2];        // of a and b, on the lines of the present look
@@ -73,6 +77,7 @@ class PairBlocking {
   std::vector<double> low_[2];  // bounds of heights in each cell, of a and b
   std::vector<double> high_[2];
   std::vector<std::uint8_t> chosen_;
+  FineCells middle_;
   FineCells fine_;
   FineCells sharp_;
   CellMask mask_;
