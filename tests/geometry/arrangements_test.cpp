@@ -249,12 +249,13 @@ std::vector<CadPart> parts_of(const std::vector<Solid>& solids, double deflectio
   return parts;
 }
 
-std::map<Key, double> found_facts(const std::vector<CadPart>& parts, double tolerance) {
+std::map<Key, double> found_facts(const std::vector<CadPart>& parts, double tolerance,
+                                  const std::vector<Vector3>& directions = six_axes()) {
   GeometrySettings settings;
   settings.tolerance = tolerance;
   const std::vector<Contact> contacts = find_contacts(parts, settings);
   std::map<Key, double> facts;
-  for (const BlockingFact& fact : find_blocking(parts, contacts, six_axes(), settings)) {
+  for (const BlockingFact& fact : find_blocking(parts, contacts, directions, settings)) {
     facts[{fact.direction, fact.part, fact.by}] = fact.width;
   }
   return facts;
@@ -337,6 +338,13 @@ TEST(Arrangements, GiveTheSameFactsTurnedScaledReorderedAndDrawnFiner) {
       back[{(direction + 4) % 6, part, by}] = width;
     }
     EXPECT_EQ(clear_facts(back, truth), facts) << "turned, seed " << seed;
+
+    std::vector<CadPart> leaning = parts;
+    for (CadPart& part : leaning) part.mesh = shapes::moved(part.mesh, shapes::askew);
+    std::vector<Vector3> directions;
+    for (const Vector3& axis : six_axes()) directions.push_back(shapes::askew(axis));
+    EXPECT_EQ(clear_facts(found_facts(leaning, kTolerance, directions), truth), facts)
+        << "askew, seed " << seed;
 
     std::vector<CadPart> reversed(parts.rbegin(), parts.rend());
     const auto last = static_cast<std::uint32_t>(parts.size() - 1);

@@ -39,9 +39,11 @@ std::vector<BlockingFact> facts_of(const std::vector<CadPart>& parts,
   return find_blocking(parts, find_contacts(parts, settings), directions, settings);
 }
 
-// Along which of the six axes the first part is free of the second.
-std::array<bool, 6> free_of(const Mesh& a, const Mesh& b, double tolerance) {
-  const auto facts = facts_of({part(a), part(b)}, six_axes(), with_tolerance(tolerance));
+// Along which of six directions, the axes unless others are given, the first part is free of the
+// second.
+std::array<bool, 6> free_of(const Mesh& a, const Mesh& b, double tolerance,
+                            const std::vector<Vector3>& directions = six_axes()) {
+  const auto facts = facts_of({part(a), part(b)}, directions, with_tolerance(tolerance));
   std::array<bool, 6> free;
   free.fill(true);
   for (const BlockingFact& fact : facts) {
@@ -80,6 +82,16 @@ TEST(FindBlocking, IsRightInMadeCasesTurnedScaledAndDrawnFiner) {
     for (std::size_t i = 0; i < 6; ++i) cycled[(i + 2) % 6] = made.free[i];
     const auto turned = free_of(shapes::cycled(made.a), shapes::cycled(made.b), made.tolerance);
     EXPECT_EQ(words(turned), words(cycled)) << made.name;
+  }
+}
+
+TEST(FindBlocking, IsRightInMadeCasesThatLieAskew) {
+  std::vector<Vector3> directions;
+  for (const Vector3& axis : six_axes()) directions.push_back(shapes::askew(axis));
+  for (const MadeCase& made : shapes::made_cases()) {
+    const auto free = free_of(shapes::moved(made.a, shapes::askew),
+                              shapes::moved(made.b, shapes::askew), made.tolerance, directions);
+    EXPECT_EQ(words(free), words(made.free)) << made.name;
   }
 }
 

@@ -95,15 +95,8 @@ TEST(FindContacts, MeasuresOverlaps) {
 }
 
 TEST(FindContacts, MeasuresOverlapsThatLieAskew) {
-  const auto askew = [](const Vector3& p) {
-    const double c = std::cos(0.6);
-    const double s = std::sin(0.6);
-    const double y = p[1] * c - p[2] * s;
-    const double z = p[1] * s + p[2] * c;
-    return Vector3{p[0] * c - y * s, p[0] * s + y * c, z};
-  };
-  const Contact contact = contact_of(shapes::moved(shapes::cylinder(2.3, 0, 10, 80), askew),
-                                     shapes::moved(shapes::tube(2, 9, -3, 8, 90), askew));
+  const Contact contact = contact_of(shapes::moved(shapes::cylinder(2.3, 0, 10, 80), shapes::askew),
+                                     shapes::moved(shapes::tube(2, 9, -3, 8, 90), shapes::askew));
   ASSERT_TRUE(contact.overlap.has_value());
   EXPECT_NEAR(contact.overlap->volume, std::numbers::pi * (2.3 * 2.3 - 4) * 8, 1.5);
   EXPECT_NEAR(contact.overlap->thickness, 0.3, 0.04);

@@ -162,6 +162,14 @@ template <class Move>
   return moved(mesh, [](const Vector3& p) { return Vector3{p[0], -p[2], p[1]}; });
 }
 
+/// Turned about x, then about z: no edge of a block stays along an axis.
+[[nodiscard]] inline Vector3 askew(const Vector3& p) {
+  const double c = std::cos(0.7);
+  const double s = std::sin(0.7);
+  const double y = p[1] * c - p[2] * s;
+  return {p[0] * c - y * s, p[0] * s + y * c, p[1] * s + p[2] * c};
+}
+
 [[nodiscard]] inline CadPart part(Mesh mesh, std::string name = "") {
   CadPart made;
   made.name = std::move(name);
