@@ -177,6 +177,19 @@ TEST(FindBlocking, GivesOppositeFactsOfOppositeDirections) {
   EXPECT_EQ(facts[0].width, facts[1].width);
 }
 
+TEST(FindBlocking, DoesNotCatchOnFacesThatAreDrawnTooDeep) {
+  // The upper block lies 0.3 too low and half beside the lower one: along x each stands in the way
+  // of the other in a layer of 0.3, which is the drawing's error.
+  const Mesh lower = block({0, 0, 0}, {10, 10, 10});
+  EXPECT_EQ(words(free_of(lower, block({5, 0, 9.7}, {15, 10, 20}), 0.1)), "+x -x +y -y -z ");
+  // A layer that is no error holds as before.
+  EXPECT_EQ(words(free_of(lower, block({10, 0, 9.7}, {15, 10, 20}), 0.1)), "-x +y -y +z -z ");
+  // And so does a hook beside the error: it reaches 1 under the lower block.
+  const Mesh hook = shapes::laid_along_y(shapes::extruded(
+      {{11, -5}, {11, 20}, {5, 20}, {5, 9.7}, {10.2, 9.7}, {10.2, -1}, {9, -1}, {9, -5}}, -10, 0));
+  EXPECT_EQ(words(free_of(lower, hook, 0.1)), "-x +y -y ");
+}
+
 TEST(FindBlocking, KeepsAPartInsideOfACavity) {
   CadPart shell = part(block({0, 0, 0}, {10, 10, 10}));
   Mesh hollow = block({2, 2, 2}, {8, 8, 8});
