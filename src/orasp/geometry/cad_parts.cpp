@@ -121,6 +121,12 @@ void find_equal(std::span<const CadPart> parts, std::vector<CadPartFacts>& facts
   }
 }
 
+bool is_plausible_density(double density) {
+  constexpr double kFoam = 1;  // kg/m^3
+  constexpr double kOsmium = 23'000;
+  return density >= kFoam && density <= kOsmium;
+}
+
 /// The density that a name tells, if any.
 std::optional<NamedDensity> density_named(std::string_view name) {
   if (detail::names_fastener(name)) return NamedDensity{"", "steel", kSteel};
@@ -133,7 +139,7 @@ std::optional<NamedDensity> density_named(std::string_view name) {
 
 void find_density(const CadPart& part, const Densities& densities, CadPartFacts& facts) {
   facts.material = clean(part.material);
-  if (part.density && *part.density > 0) {
+  if (part.density && is_plausible_density(*part.density)) {
     facts.density = *part.density;
     facts.source = DensitySource::File;
     return;

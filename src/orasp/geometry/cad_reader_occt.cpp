@@ -82,7 +82,8 @@ bool is_nondescript(const std::string& name) {
   static const std::set<std::string> kWords = {"",      "SOLID", "COMPOUND", "SHELL",
                                                "Solid", "Shell", "Compound", "COMPSOLID"};
   return kWords.contains(name) || name.starts_with("=>[") || name.starts_with("NAUO") ||
-         name.starts_with("Open CASCADE STEP translator");
+         name.starts_with("Open CASCADE STEP translator") ||
+         name.starts_with("Open_CASCADE_STEP_translator");
 }
 
 /// Passes a stop on to the kernel.
@@ -171,8 +172,8 @@ std::vector<TopoDS_Shape> bodies_of(const TopoDS_Shape& shape) {
 /// Reads one file.
 class StepFile {
  public:
-  StepFile(const std::filesystem::path& file, const CadReadSettings& settings)
-      : file_(file), settings_(settings) {}
+  StepFile(const std::filesystem::path& shown, const CadReadSettings& settings)
+      : shown_(shown), file_(std::filesystem::absolute(shown)), settings_(settings) {}
 
   CadModel read() {
     load();
@@ -184,7 +185,7 @@ class StepFile {
 
  private:
   [[noreturn]] void fail(const std::string& reason) const {
-    throw InputError(file_.string() + ": " + reason);
+    throw InputError(shown_.string() + ": " + reason);
   }
   void stop_if_asked() const {
     if (settings_.stop.stop_requested()) throw Interrupted();
@@ -443,6 +444,8 @@ class StepFile {
     model_.parts.push_back(std::move(part));
   }
 
+  std::filesystem::path shown_;  ///< as the user named it
+  /// What a file refers to is found beside it by an absolute path alone.
   std::filesystem::path file_;
   const CadReadSettings& settings_;
   STEPCAFControl_Reader reader_;
@@ -466,10 +469,8 @@ class OcctReader final : public CadReader {
     static std::mutex one_at_a_time;  // the kernel's session and application are global
     const std::scoped_lock lock(one_at_a_time);
     silence();
-    // What a file refers to is found beside it by an absolute path alone.
-    const std::filesystem::path absolute = std::filesystem::absolute(file);
     try {
-      return StepFile(absolute, settings).read();
+      return StepFile(file, settings).read();
     } catch (const Standard_Failure& failure) {
       if (settings.stop.stop_requested()) throw Interrupted();
       throw InputError(file.string() + ": OpenCASCADE failed: " + failure.GetMessageString());

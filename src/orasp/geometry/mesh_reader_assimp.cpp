@@ -5,16 +5,22 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/mesh.h>
@@ -80,6 +86,63 @@ FormatUnit unit_of(const std::string& extension) {
   return {1, "mm", false};
 }
 
+/// The text of an OBJ file with names that the library cannot confuse: it takes the first word for
+/// the name, and objects of one name for one.
+struct ObjText {
+  std::string text;
+  std::vector<std::string> names;  ///< "part_0" stands for the first of them, and so on
+};
+
+ObjText with_plain_names(const std::string& obj) {
+  const auto first_letter = [](std::string_view line) {
+    const bool named = line.size() > 1 && (line[1] == ' ' || line[1] == '\t');
+    return named ? line[0] : '\0';
+  };
+  const auto for_each_line = [&obj](auto&& visit) {
+    for (std::size_t begin = 0; begin < obj.size();) {
+      const std::size_t end = std::min(obj.find('\n', begin), obj.size());
+      visit(std::string_view(obj).substr(begin, end - begin));
+      begin = end + 1;
+    }
+  };
+  bool has_objects = false;
+  for_each_line([&](std::string_view line) { has_objects |= first_letter(line) == 'o'; });
+  ObjText plain;
+  plain.text.reserve(obj.size() + obj.size() / 16);
+  std::unordered_map<std::string, std::size_t> groups;
+  for_each_line([&](std::string_view line) {
+    const char letter = first_letter(line);
+    if (letter == 'g' && has_objects) return;  // the groups of an object are one part
+    if (letter != 'o' && letter != 'g') {
+      plain.text.append(line).append("\n");
+      return;
+    }
+    const std::string name = trimmed(std::string(line.substr(2)));
+    std::size_t number = plain.names.size();
+    // A group may go on later; an object is a new one each time.
+    if (letter == 'g') number = groups.emplace(name, number).first->second;
+    if (number == plain.names.size()) plain.names.push_back(name);
+    plain.text += "o part_" + std::to_string(number) + "\n";
+  });
+  return plain;
+}
+
+/// Serves one file from memory, all others from where they lie.
+class OneFileInMemory final : public Assimp::DefaultIOSystem {
+ public:
+  OneFileInMemory(std::string file, const std::string& text)
+      : file_(std::move(file)), text_(text) {}
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    if (file_ != file) return DefaultIOSystem::Open(file, mode);
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text_.data()),
+                                      text_.size());
+  }
+
+ private:
+  std::string file_;
+  const std::string& text_;
+};
+
 /// Reads one file.
 class MeshFile {
  public:
@@ -115,13 +178,18 @@ class MeshFile {
     importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                  aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    if (lower(file_.extension().string()) == ".obj") {
+      std::ifstream stream(file_, std::ios::binary);
+      obj_ = with_plain_names({std::istreambuf_iterator<char>(stream), {}});
+      importer_.SetIOHandler(new OneFileInMemory(file_.string(), obj_.text));  // the importer's own
+    }
     scene_ = importer_.ReadFile(file_.string(), aiProcess_Triangulate | aiProcess_SortByPType);
     if (settings_.stop.stop_requested()) throw Interrupted();
     if (scene_ == nullptr) {
       const std::string reason = importer_.GetErrorString();
       // What the library says of a file that holds points alone.
-      if (reason.find("No meshes") != std::string::npos ||
-          reason.find("no meshes") != std::string::npos)
+      if (reason.find("o meshes") != std::string::npos ||
+          reason.find("no facets") != std::string::npos)
         fail("it holds no triangle");
       fail("it cannot be read: " + one_line(reason));
     }
@@ -136,9 +204,19 @@ class MeshFile {
     for (unsigned i = 0; i < node.mNumChildren; ++i) visit(*node.mChildren[i], here, depth + 1);
   }
 
+  /// The node's name; of an OBJ file what with_plain_names() replaced.
+  std::string name_of(const aiNode& node) const {
+    const std::string name = trimmed(node.mName.C_Str());
+    constexpr std::string_view kPlain = "part_";
+    if (obj_.names.empty() || !name.starts_with(kPlain)) return name;
+    std::size_t number = obj_.names.size();
+    std::from_chars(name.data() + kPlain.size(), name.data() + name.size(), number);
+    return number < obj_.names.size() ? obj_.names[number] : name;
+  }
+
   void add_node(const aiNode& node, const aiMatrix4x4& where) {
     CadPart part;
-    part.name = trimmed(node.mName.C_Str());
+    part.name = name_of(node);
     std::string product;
     Numbers numbers;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
@@ -276,6 +354,7 @@ class MeshFile {
   std::filesystem::path file_;
   bool whole_;
   const CadReadSettings& settings_;
+  ObjText obj_;  // before the importer, which reads from it
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
   double scale_ = 1;

@@ -202,6 +202,44 @@ std::vector<fs::path> meshes_in(const fs::path& folder) {
   return files;
 }
 
+/// Whether `b` is `a` moved along: the same triangles, all vertices shifted alike. Sets `shift`.
+bool is_copy(const Mesh& a, const Mesh& b, double tolerance, Vector3& shift) {
+  if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
+  for (std::size_t i = 0; i < 3; ++i) shift[i] = b.vertices[0][i] - a.vertices[0][i];
+  for (std::size_t v = 0; v < a.vertices.size(); ++v) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (std::abs(b.vertices[v][i] - a.vertices[v][i] - shift[i]) > tolerance) return false;
+    }
+  }
+  return true;
+}
+
+/// Files of triangles do not say which parts are equal: those are found that are copies, moved but
+/// not turned.
+void mark_copies(std::vector<CadPart>& parts, double tolerance) {
+  std::map<std::string, std::size_t> uses;
+  for (const CadPart& part : parts) ++uses[part.product];
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<std::size_t>> by_size;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    CadPart& part = parts[i];
+    if (!part.product.empty() && uses[part.product] > 1) continue;
+    std::vector<std::size_t>& originals =
+        by_size[{part.mesh.vertices.size(), part.mesh.triangles.size()}];
+    Vector3 shift{};
+    const auto original = std::ranges::find_if(originals, [&](std::size_t other) {
+      return is_copy(parts[other].mesh, part.mesh, tolerance, shift);
+    });
+    if (original == originals.end()) {
+      originals.push_back(i);
+      part.product = "original " + std::to_string(i);
+      part.placement = Placement{};
+      continue;
+    }
+    part.product = parts[*original].product;
+    part.placement = Placement{.axes = Placement{}.axes, .origin = shift};
+  }
+}
+
 /// Reads files one by one into one model.
 class ModelBuilder {
  public:
@@ -315,6 +353,8 @@ class ModelBuilder {
       for (const Vector3& vertex : part.mesh.vertices) box.add(vertex);
     }
     model_.tolerance = settings_.tolerance.value_or(default_tolerance(box.diagonal()));
+    constexpr double kRounding = 0.01;  // of the tolerance
+    if (!cad_) mark_copies(model_.parts, kRounding * model_.tolerance);
     if (!settings_.millimetres_per_unit && model_.unit != "m") {
       model_.warnings.push_back(
           "mesh files do not say their unit of length: millimetres are assumed; --unit gives "

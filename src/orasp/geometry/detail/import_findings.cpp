@@ -247,6 +247,16 @@ void note_densities(ImportedAssembly& assembly, const ImportSettings& settings) 
                                 number_text(density) +
                                 " kg/m^3 is assumed; --density gives another");
   }
+  std::size_t ignored = 0;
+  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
+    const DensitySource source = assembly.parts[i].source;
+    const bool passed_over = source == DensitySource::Name || source == DensitySource::Default;
+    if (assembly.model.parts[i].density && passed_over) ++ignored;
+  }
+  if (ignored > 0) {
+    assembly.warnings.push_back("the file states a density for " + counted(ignored, "part") +
+                                " that no material has; it is passed over");
+  }
   std::size_t open = 0;
   for (const CadPartFacts& part : assembly.parts) open += part.closed ? 0 : 1;
   if (open > 0) {
