@@ -13,6 +13,7 @@ Grid Grid::over(const Rectangle& rectangle, double side) {
   };
   Grid grid;
   grid.side = side;
+  grid.per_mm = 1 / side;
   grid.columns = cells(rectangle.width(), kShiftU);
   grid.rows = cells(rectangle.height(), kShiftV);
   grid.low_u = rectangle.low_u - kShiftU * side;

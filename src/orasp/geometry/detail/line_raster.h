@@ -30,6 +30,7 @@ struct Grid {
   double low_u = 0.0;
   double low_v = 0.0;
   double side = 1.0;
+  double per_mm = 1.0;  ///< 1 / side
   int columns = 0;
   int rows = 0;
 
@@ -41,23 +42,29 @@ struct Grid {
   }
   /// The same rectangle with each cell cut into times x times.
   [[nodiscard]] Grid finer(int times) const {
-    return {low_u, low_v, side / times, columns * times, rows * times};
+    return {low_u, low_v, side / times, times / side, columns * times, rows * times};
   }
   [[nodiscard]] double centre_u(int column) const { return low_u + (column + 0.5) * side; }
   [[nodiscard]] double centre_v(int row) const { return low_v + (row + 0.5) * side; }
   /// The first column or row whose centre is not below a place, from 0 to the number of them.
-  [[nodiscard]] int first_column(double u) const { return first((u - low_u) / side, columns); }
-  [[nodiscard]] int first_row(double v) const { return first((v - low_v) / side, rows); }
+  [[nodiscard]] int first_column(double u) const { return first((u - low_u) * per_mm, columns); }
+  [[nodiscard]] int first_row(double v) const { return first((v - low_v) * per_mm, rows); }
   /// The cell that holds a place, pressed into the grid.
-  [[nodiscard]] int column_of(double u) const { return cell((u - low_u) / side, columns); }
-  [[nodiscard]] int row_of(double v) const { return cell((v - low_v) / side, rows); }
+  [[nodiscard]] int column_of(double u) const { return cell((u - low_u) * per_mm, columns); }
+  [[nodiscard]] int row_of(double v) const { return cell((v - low_v) * per_mm, rows); }
 
  private:
+  // Written so that a number that is none gives some place as well.
+  [[nodiscard]] static double within(double place, double last) {
+    return std::max(0.0, std::min(last, place));
+  }
   [[nodiscard]] static int first(double place, int size) {
-    return static_cast<int>(std::ceil(std::clamp(place - 0.5, 0.0, static_cast<double>(size))));
+    const double from = within(place - 0.5, size);
+    const int whole = static_cast<int>(from);
+    return whole + (static_cast<double>(whole) < from ? 1 : 0);
   }
   [[nodiscard]] static int cell(double place, int size) {
-    return static_cast<int>(std::clamp(place, 0.0, size - 1.0));
+    return static_cast<int>(within(place, size - 1.0));
   }
 };
 
@@ -136,6 +143,9 @@ void for_runs(const Grid& grid, const Corners& c, Meet&& meet) {
   const int begin = grid.first_row(std::min({c[0][1], c[1][1], c[2][1]}));
   const int end = grid.first_row(std::max({c[0][1], c[1][1], c[2][1]}));
   if (begin >= end) return;
+  const int left = grid.first_column(std::min({c[0][0], c[1][0], c[2][0]}));
+  const int right = grid.first_column(std::max({c[0][0], c[1][0], c[2][0]}));
+  if (left >= right) return;
   const Slope slope(c);
   for (int row = begin; row < end; ++row) {
     const Span span = span_at(c, grid.centre_v(row));

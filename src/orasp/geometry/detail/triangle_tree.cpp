@@ -26,7 +26,7 @@ std::uint32_t curve_place(const Vector3& point, const Box& box) {
   std::uint32_t place = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double share = extent > 0 ? (point[k] - box.low[k]) / extent : 0.0;
-    const auto cell = static_cast<std::uint32_t>(1023 * std::clamp(share, 0.0, 1.0));
+    const auto cell = static_cast<std::uint32_t>(1023 * std::max(0.0, std::min(1.0, share)));
     place |= spread(cell) << static_cast<unsigned>(k);
   }
   return place;
