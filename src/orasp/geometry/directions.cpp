@@ -29,12 +29,14 @@ struct Candidate {
   double area = 0.0;
 };
 
-// The same line with the first coordinate that is not 0 positive.
+// The same line with the first coordinate that is not 0 positive, and without traces of rounding.
 Vector3 canonical(const Vector3& direction) {
-  for (const double x : direction) {
-    if (std::abs(x) > 1e-9) return x > 0 ? direction : detail::times(direction, -1);
-  }
-  return direction;
+  Vector3 line = direction;
+  for (double& x : line) x = std::abs(x) > 1e-12 ? x : 0.0;
+  const auto first = std::find_if(line.begin(), line.end(), [](double x) { return x != 0; });
+  if (first == line.end() || *first > 0) return line;
+  for (double& x : line) x = x != 0 ? -x : 0.0;
+  return line;
 }
 
 bool larger(const Candidate& x, const Candidate& y) {
