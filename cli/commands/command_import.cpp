@@ -247,7 +247,9 @@ void add_part_options(CommandLine& line, ImportOptions& options) {
             "Parts such as belts and cables: they block nothing and nothing blocks them (default: "
             "none).",
             settings.flexible);
-  line.text("--base", "PARTS", "Parts that are fixed and never move (default: none).",
+  line.text("--base", "PARTS",
+            "Parts that are fixed and never move; none for none (default: where all else comes off "
+            "it one by one, the part with most connections).",
             settings.base);
 }
 

@@ -318,6 +318,8 @@ ordered_json import_json(const ImportedAssembly& assembly, const ImportFacts& fa
           {"overlaps", overlaps_json(assembly)},
           {"locked", locked_json(assembly)},
           {"near_tolerance", near_json(assembly)},
+          {"base", assembly.problem.base},
+          {"grounded", assembly.problem.limits.grounded},
           {"moved_at_once", assembly.moved},
           {"stuck", groups_json(assembly, assembly.stuck)},
           {"groups", groups_json(assembly, assembly.groups)},

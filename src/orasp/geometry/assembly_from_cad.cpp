@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "orasp/geometry/detail/grounded_order.h"
 #include "orasp/geometry/detail/import_findings.h"
 #include "orasp/geometry/detail/take_apart.h"
 #include "orasp/model/error.h"
@@ -138,16 +141,86 @@ void add_blocking(ImportedAssembly& assembly) {
   assembly.problem.blocking = std::move(blocking);
 }
 
-void take_apart(ImportedAssembly& assembly, const std::vector<bool>& fixed) {
+/// What the search for orders looks at.
+struct Structure {
   std::vector<detail::BlockedAlong> blocked;
-  for (const BlockingFact& fact : assembly.facts)
-    blocked.push_back({fact.part, fact.by, 2 * fact.direction});
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;
-  for (const Contact& contact : assembly.contacts) joined.emplace_back(contact.a, contact.b);
-  detail::TakenApart apart = detail::take_apart(
-      assembly.parts.size(), 2 * assembly.directions.size(), blocked, joined, fixed);
+  std::size_t directions = 0;
+};
+
+Structure structure_of(const ImportedAssembly& assembly) {
+  Structure structure;
+  for (const BlockingFact& fact : assembly.facts)
+    structure.blocked.push_back({fact.part, fact.by, 2 * fact.direction});
+  for (const Contact& contact : assembly.contacts)
+    structure.joined.emplace_back(contact.a, contact.b);
+  structure.directions = 2 * assembly.directions.size();
+  return structure;
+}
+
+/// The part of a group from which all others come off one by one: of the few with most
+/// connections the first that does; ties go to the heavier.
+std::optional<std::uint32_t> base_of(const ImportedAssembly& assembly, const Structure& structure,
+                                     const std::vector<std::uint32_t>& group) {
+  std::vector<std::size_t> joints(assembly.parts.size(), 0);
+  for (const auto& [a, b] : structure.joined) {
+    ++joints[a];
+    ++joints[b];
+  }
+  std::vector<std::uint32_t> candidates = group;
+  std::ranges::stable_sort(candidates, std::ranges::greater(), [&](std::uint32_t part) {
+    return std::pair(joints[part], assembly.parts[part].mass);
+  });
+  constexpr std::size_t kTried = 5;
+  candidates.resize(std::min(candidates.size(), kTried));
+  for (const std::uint32_t part : candidates) {
+    if (detail::has_grounded_order(group, part, structure.directions, structure.blocked,
+                                   structure.joined)) {
+      return part;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Whether every group that has something to take apart comes off its one base part.
+bool is_grounded(const ImportedAssembly& assembly, const Structure& structure) {
+  for (const auto& group : assembly.groups) {
+    if (group.size() < 2) continue;
+    std::vector<std::uint32_t> held;
+    std::ranges::set_intersection(group, assembly.base, std::back_inserter(held));
+    if (held.size() != 1 || !detail::has_grounded_order(group, held[0], structure.directions,
+                                                        structure.blocked, structure.joined)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Finds the base, and whether the product comes apart from there.
+void find_order(ImportedAssembly& assembly, const ImportSettings& settings) {
+  const Structure structure = structure_of(assembly);
+  const bool chooses = settings.base.empty() && settings.action == StepKind::Part;
+  if (chooses) {
+    for (const auto& group : assembly.groups) {
+      if (group.size() < 2) continue;
+      const auto part = base_of(assembly, structure, group);
+      if (part) assembly.base.push_back(*part);
+    }
+    std::ranges::sort(assembly.base);
+    if (!is_grounded(assembly, structure)) assembly.base.clear();
+    assembly.base_chosen = !assembly.base.empty();
+  } else if (!settings.base.empty() && settings.base != "none") {
+    for (const std::size_t part : parts_listed(settings.base, assembly.parts, "base"))
+      assembly.base.push_back(static_cast<std::uint32_t>(part));
+  }
+  std::vector<bool> fixed(assembly.parts.size(), false);
+  for (const std::uint32_t part : assembly.base) fixed[part] = true;
+  detail::TakenApart apart = detail::take_apart(assembly.parts.size(), structure.directions,
+                                                structure.blocked, structure.joined, fixed);
   assembly.moved = apart.moved;
   assembly.stuck = std::move(apart.stuck);
+  assembly.problem.limits.grounded = settings.action == StepKind::Part && assembly.moved == 1 &&
+                                     !assembly.base.empty() && is_grounded(assembly, structure);
 }
 
 void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
@@ -169,14 +242,7 @@ void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
   }
   add_connections(assembly, settings);
   add_blocking(assembly);
-  std::vector<bool> fixed(assembly.parts.size(), false);
-  if (!settings.base.empty()) {
-    for (const std::size_t part : parts_listed(settings.base, assembly.parts, "base")) {
-      fixed[part] = true;
-      problem.base.push_back(assembly.parts[part].id);
-    }
-  }
-  take_apart(assembly, fixed);
+  for (const std::uint32_t part : assembly.base) problem.base.push_back(assembly.parts[part].id);
   problem.action = settings.action;
   // Subassemblies that need not move at once are not tried: they are many.
   if (settings.action == StepKind::Part) problem.limits.max_moved_parts = assembly.moved;
@@ -230,7 +296,7 @@ ImportedAssembly assembly_from_cad(CadModel model, const ImportSettings& setting
       assembly.flexible[part] = true;
   }
   // What is wrong with a list is said before the long work.
-  if (!settings.base.empty())
+  if (!settings.base.empty() && settings.base != "none")
     static_cast<void>(parts_listed(settings.base, assembly.parts, "base"));
   tell(settings, "contacts");
   assembly.contacts = find_contacts(assembly.model.parts, geometry_settings(settings));
@@ -240,6 +306,8 @@ ImportedAssembly assembly_from_cad(CadModel model, const ImportSettings& setting
                      " connections");
   }
   find_facts(assembly, settings);
+  detail::find_groups(assembly);
+  find_order(assembly, settings);
   fill_problem(assembly, settings);
   detail::add_findings(assembly, settings);
   return assembly;

@@ -28,7 +28,9 @@ struct ImportSettings {
   Densities densities;
   std::string exclude;   ///< parts to leave out, as parts_listed() reads them
   std::string flexible;  ///< parts that block nothing and that nothing blocks, such as belts
-  std::string base;      ///< parts that are fixed
+  /// Parts that are fixed. Empty: of each group the part with most connections, if all others come
+  /// off it one by one; "none": none.
+  std::string base;
   ImportDirections directions = ImportDirections::Axes;
   StepKind action = StepKind::Part;
   /// Seconds that it takes to open a connection, by Contact::Kind.
@@ -75,7 +77,9 @@ struct ImportedAssembly {
   std::vector<ImportedOverlap> overlaps;
   std::vector<LockedPair> locked;
   std::vector<std::size_t> near_facts;  ///< facts that are little wider than the tolerance allows
-  std::size_t moved = 1;  ///< parts that must move at once somewhere; 1: all come off one by one
+  std::vector<std::uint32_t> base;
+  bool base_chosen = false;  ///< and not named by the user
+  std::size_t moved = 1;     ///< parts that must move at once somewhere; 1: all come off one by one
   /// Parts of one piece that no order of straight motions takes apart; sorted.
   std::vector<std::vector<std::uint32_t>> stuck;
   std::vector<std::vector<std::uint32_t>> groups;  ///< that no connection joins; largest first

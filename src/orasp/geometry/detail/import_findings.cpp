@@ -142,31 +142,23 @@ void find_near_facts(ImportedAssembly& assembly, double tolerance) {
   }
 }
 
-void find_groups(ImportedAssembly& assembly) {
-  std::vector<std::uint32_t> root(assembly.parts.size());
-  std::iota(root.begin(), root.end(), 0U);
-  const auto find = [&](std::uint32_t part) {
-    while (root[part] != part) part = root[part] = root[root[part]];
-    return part;
-  };
-  for (const Contact& contact : assembly.contacts) {
-    const std::uint32_t a = find(contact.a);
-    const std::uint32_t b = find(contact.b);
-    root[std::max(a, b)] = std::min(a, b);
-  }
-  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
-  for (std::uint32_t part = 0; part < assembly.parts.size(); ++part)
-    groups[find(part)].push_back(part);
-  for (auto& [first, group] : groups) assembly.groups.push_back(std::move(group));
-  std::ranges::stable_sort(assembly.groups, std::ranges::greater(),
-                           [](const auto& group) { return group.size(); });
-  if (assembly.groups.size() > 1) {
-    assembly.questions.push_back(
-        "the product falls into " + std::to_string(assembly.groups.size()) +
-        " groups that do not touch, the smallest with " +
-        quoted(assembly.parts[assembly.groups.back().front()].id) +
-        ": does something join them that is not drawn, or is a larger tolerance right?");
-  }
+void note_groups(ImportedAssembly& assembly) {
+  if (assembly.groups.size() < 2) return;
+  assembly.questions.push_back(
+      "the product falls into " + std::to_string(assembly.groups.size()) +
+      " groups that do not touch, the smallest with " +
+      quoted(assembly.parts[assembly.groups.back().front()].id) +
+      ": does something join them that is not drawn, or is a larger tolerance right?");
+}
+
+void note_base(ImportedAssembly& assembly) {
+  if (!assembly.base_chosen) return;
+  std::string names;
+  for (const std::uint32_t part : assembly.base)
+    names += (names.empty() ? "" : ", ") + quoted(assembly.parts[part].id);
+  assembly.warnings.push_back(names + (assembly.base.size() == 1 ? " is" : " are") +
+                              " taken for the base, from which all else comes off part by part; "
+                              "--base names another, --base none leaves it open");
 }
 
 void note_proposed(ImportedAssembly& assembly) {
@@ -273,12 +265,33 @@ void note_densities(ImportedAssembly& assembly, const ImportSettings& settings) 
 
 }  // namespace
 
+void find_groups(ImportedAssembly& assembly) {
+  std::vector<std::uint32_t> root(assembly.parts.size());
+  std::iota(root.begin(), root.end(), 0U);
+  const auto find = [&](std::uint32_t part) {
+    while (root[part] != part) part = root[part] = root[root[part]];
+    return part;
+  };
+  for (const Contact& contact : assembly.contacts) {
+    const std::uint32_t a = find(contact.a);
+    const std::uint32_t b = find(contact.b);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
+  for (std::uint32_t part = 0; part < assembly.parts.size(); ++part)
+    groups[find(part)].push_back(part);
+  for (auto& [first, group] : groups) assembly.groups.push_back(std::move(group));
+  std::ranges::stable_sort(assembly.groups, std::ranges::greater(),
+                           [](const auto& group) { return group.size(); });
+}
+
 void add_findings(ImportedAssembly& assembly, const ImportSettings& settings) {
   find_overlaps(assembly);
   find_locked(assembly);
   find_near_facts(assembly, settings.tolerance);
-  find_groups(assembly);
+  note_groups(assembly);
   note_proposed(assembly);
+  note_base(assembly);
   note_sizes(assembly);
   note_poses(assembly);
   note_densities(assembly, settings);

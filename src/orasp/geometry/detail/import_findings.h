@@ -4,7 +4,10 @@
 
 namespace orasp::detail {
 
-/// Adds what is noteworthy of an import: overlaps, locked pairs, facts near the tolerance, groups,
+/// Sets `groups`: the parts that connections join, each group sorted, the largest first.
+void find_groups(ImportedAssembly& assembly);
+
+/// Adds what else is noteworthy of an import: overlaps, locked pairs, facts near the tolerance,
 /// warnings and questions.
 void add_findings(ImportedAssembly& assembly, const ImportSettings& settings);
 

@@ -10,7 +10,7 @@ namespace {
 
 using Group = std::vector<std::uint32_t>;
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
 
 /// A set that can leave the rest of its group.
 struct Leaving {
@@ -27,7 +27,7 @@ class Product {
         fixed_(fixed),
         blockers_(directions * parts),
         neighbours_(parts),
-        member_(parts, kNone),
+        member_(parts, kNowhere),
         count_(directions * parts, 0) {
     for (const BlockedAlong& fact : blocked) {
       blockers(fact.direction, fact.part).push_back(fact.by);
@@ -134,7 +134,7 @@ class Product {
     std::size_t left = piece.size();
     for (std::size_t i = 0; i < queue.size() && left > 1; ++i, --left) {
       const std::uint32_t gone = queue[i];
-      member_[gone] = kNone;
+      member_[gone] = kNowhere;
       // Whom it blocks along a direction are those that block it along the opposite.
       for (std::size_t d = 0; d < directions_; ++d) {
         for (const std::uint32_t freed : blockers(d ^ 1U, gone)) {
@@ -178,15 +178,15 @@ class Product {
       std::uint32_t part;
       std::size_t next;
     };
-    std::vector<std::uint32_t> order(neighbours_.size(), kNone);
-    std::vector<std::uint32_t> low(neighbours_.size(), kNone);
+    std::vector<std::uint32_t> order(neighbours_.size(), kNowhere);
+    std::vector<std::uint32_t> low(neighbours_.size(), kNowhere);
     std::vector<bool> closed(neighbours_.size(), false);
     std::vector<std::uint32_t> stack;
     std::vector<Visit> visits;
     std::uint32_t number = 0;
     std::vector<Group> found;
     for (const std::uint32_t root : piece) {
-      if (order[root] != kNone) continue;
+      if (order[root] != kNowhere) continue;
       visits.push_back({root, 0});
       while (!visits.empty()) {
         Visit& visit = visits.back();
@@ -196,17 +196,17 @@ class Product {
           stack.push_back(part);
         }
         const auto& list = blockers(direction, part);
-        std::uint32_t deeper = kNone;
-        while (visit.next < list.size() && deeper == kNone) {
+        std::uint32_t deeper = kNowhere;
+        while (visit.next < list.size() && deeper == kNowhere) {
           const std::uint32_t other = list[visit.next++];
           if (!inside(other) || closed[other]) continue;
-          if (order[other] == kNone) {
+          if (order[other] == kNowhere) {
             deeper = other;
           } else {
             low[part] = std::min(low[part], order[other]);
           }
         }
-        if (deeper != kNone) {
+        if (deeper != kNowhere) {
           visits.push_back({deeper, 0});
           continue;
         }
