@@ -81,6 +81,10 @@ bool one_inside_other(const PartShape& a, const PartShape& b) {
   return inside(a, b) || inside(b, a);
 }
 
+// In tolerances: a peg with more play beside it fits no hole. A trace above a half, for drawings like
+// a play of exactly that.
+constexpr double kPlay = 0.5 * (1 + 1e-6);
+
 // A hole and a peg about one axis, of one radius: by what the drawing says of the faces.
 bool coaxial_fit(const CadPart& a, const CadPart& b, const std::vector<ContactPatch>& patches,
                  double tolerance) {
@@ -96,9 +100,9 @@ bool coaxial_fit(const CadPart& a, const CadPart& b, const std::vector<ContactPa
       if (other.kind != FaceHint::Kind::Cylinder || one.hollow == other.hollow) continue;
       if (std::abs(dot(one.direction, other.direction)) < kParallel) continue;
       const Vector3 between = detail::minus(other.point, one.point);
-      if (detail::length(detail::cross(between, one.direction)) > tolerance / 2) continue;
+      if (detail::length(detail::cross(between, one.direction)) > kPlay * tolerance) continue;
       const double play = (one.radius - other.radius) * (one.hollow ? 1 : -1);
-      if (std::abs(play) <= tolerance / 2) return true;
+      if (std::abs(play) <= kPlay * tolerance) return true;
     }
   }
   return false;
@@ -112,11 +116,12 @@ Contact::Kind kind_of(const CadPart& a, const CadPart& b, std::vector<ContactPat
     }
   }
   if (ring) return Contact::Kind::Fit;
-  std::erase_if(patches, [&](const ContactPatch& patch) { return patch.gap > tolerance / 2; });
+  if (!a.faces.empty() && !b.faces.empty()) {
+    return coaxial_fit(a, b, patches, tolerance) ? Contact::Kind::Fit : Contact::Kind::Touch;
+  }
+  std::erase_if(patches, [&](const ContactPatch& patch) { return patch.gap > kPlay * tolerance; });
   const std::vector<ContactPatch> sides = detail::gathered_by_normal(std::move(patches), 0.996);
-  if (coaxial_fit(a, b, sides, tolerance)) return Contact::Kind::Fit;
-  const bool hints = !a.faces.empty() && !b.faces.empty();
-  return !hints && detail::held_all_round(sides) ? Contact::Kind::Fit : Contact::Kind::Touch;
+  return detail::held_all_round(sides) ? Contact::Kind::Fit : Contact::Kind::Touch;
 }
 
 // The contact of a pair, or one with an infinite distance.

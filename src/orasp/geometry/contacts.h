@@ -57,7 +57,7 @@ struct GeometrySettings {
 /// the material of another is found as well.
 ///
 /// The kind is Fastener if the name of one of the two says so; Fit if the overlap runs round a hole,
-/// if the drawing has a peg and a hole about one axis with radii that differ by less than half the
+/// if the drawing has a peg and a hole about one axis with radii that differ by at most half the
 /// tolerance, or, without such a drawing, if the faces that touch leave no way across some axis; and
 /// Touch otherwise.
 ///
