@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/made_cases.h"
-#include "orasp/model/random.h"
+#include "seeds.h"
 
 namespace orasp {
 namespace {
@@ -37,6 +37,15 @@ std::vector<BlockingFact> facts_of(const std::vector<CadPart>& parts,
                                    const std::vector<Vector3>& directions,
                                    const GeometrySettings& settings) {
   return find_blocking(parts, find_contacts(parts, settings), directions, settings);
+}
+
+// As many of the made cases as tests that repeat them are to look at.
+std::vector<MadeCase> some_cases(double finer = 1.0) {
+  std::vector<MadeCase> cases = shapes::made_cases(finer);
+  const std::size_t count = some_of(cases.size());
+  std::rotate(cases.begin(), cases.begin() + 4, cases.end());
+  cases.erase(cases.begin() + static_cast<std::ptrdiff_t>(count), cases.end());
+  return cases;
 }
 
 // Along which of six directions, the axes unless others are given, the first part is free of the
@@ -70,11 +79,11 @@ TEST(FindBlocking, IsRightInEighteenMadeCases) {
 }
 
 TEST(FindBlocking, IsRightInMadeCasesTurnedScaledAndDrawnFiner) {
-  for (const MadeCase& made : shapes::made_cases(2.0)) {
+  for (const MadeCase& made : some_cases(2.0)) {
     EXPECT_EQ(words(free_of(made.a, made.b, made.tolerance)), words(made.free)) << made.name;
   }
   const auto larger = [](const Vector3& p) { return Vector3{10 * p[0], 10 * p[1], 10 * p[2]}; };
-  for (const MadeCase& made : shapes::made_cases()) {
+  for (const MadeCase& made : some_cases()) {
     const auto free =
         free_of(shapes::moved(made.a, larger), shapes::moved(made.b, larger), 10 * made.tolerance);
     EXPECT_EQ(words(free), words(made.free)) << made.name;
@@ -88,7 +97,7 @@ TEST(FindBlocking, IsRightInMadeCasesTurnedScaledAndDrawnFiner) {
 TEST(FindBlocking, IsRightInMadeCasesThatLieAskew) {
   std::vector<Vector3> directions;
   for (const Vector3& axis : six_axes()) directions.push_back(shapes::askew(axis));
-  for (const MadeCase& made : shapes::made_cases()) {
+  for (const MadeCase& made : some_cases()) {
     const auto free = free_of(shapes::moved(made.a, shapes::askew),
                               shapes::moved(made.b, shapes::askew), made.tolerance, directions);
     EXPECT_EQ(words(free), words(made.free)) << made.name;
@@ -96,7 +105,7 @@ TEST(FindBlocking, IsRightInMadeCasesThatLieAskew) {
 }
 
 TEST(FindBlocking, SaysTheSameOfThePartInTheOtherOrder) {
-  for (const MadeCase& made : shapes::made_cases()) {
+  for (const MadeCase& made : some_cases()) {
     const auto facts =
         facts_of({part(made.b), part(made.a)}, six_axes(), with_tolerance(made.tolerance));
     std::array<bool, 6> free;
@@ -212,7 +221,7 @@ TEST(FindBlocking, JudgesOpenMeshesByTheirOutermostPoints) {
 }
 
 TEST(FindBlocking, TakesMeshesThatAreInsideOut) {
-  for (const MadeCase& made : shapes::made_cases()) {
+  for (const MadeCase& made : some_cases()) {
     Mesh a = made.a;
     for (auto& t : a.triangles) std::swap(t[0], t[1]);
     EXPECT_EQ(words(free_of(a, made.b, made.tolerance)), words(made.free)) << made.name;
@@ -231,7 +240,7 @@ TEST(FindBlocking, TakesNoTrianglesAndTrianglesWithoutArea) {
 
 TEST(FindBlocking, StaysRightFarFromTheOriginAndAmongVastParts) {
   const Vector3 far = {1e6, -2e6, 3e6};
-  for (const MadeCase& made : shapes::made_cases()) {
+  for (const MadeCase& made : some_cases()) {
     const auto free =
         free_of(shapes::shifted(made.a, far), shapes::shifted(made.b, far), made.tolerance);
     EXPECT_EQ(words(free), words(made.free)) << made.name;
@@ -254,10 +263,10 @@ TEST(FindBlocking, IsTheSameToTheLastBitForAnyNumberOfThreads) {
     const Vector3 at = {static_cast<double>(parts.size()) * 12, 0, 0};
     parts.push_back(part(shapes::shifted(made.a, at)));
     parts.push_back(part(shapes::shifted(made.b, at)));
-    if (parts.size() >= 16) break;
+    if (parts.size() >= (percent_of_seeds() == 100 ? 16U : 8U)) break;
   }
   const auto one = facts_of(parts, six_axes(), with_tolerance(0.1, 1));
-  ASSERT_GT(one.size(), 100U);
+  ASSERT_GT(one.size(), 20U);
   for (const unsigned threads : {2U, 5U}) {
     const auto more = facts_of(parts, six_axes(), with_tolerance(0.1, threads));
     ASSERT_EQ(more.size(), one.size());

@@ -61,12 +61,12 @@ std::vector<Touching> touching_pairs(std::span<const Contact> contacts) {
   return pairs;
 }
 
-struct Pair {
+struct PairInSight {
   std::uint32_t a, b;
 };
 
 // The pairs whose shadows' boxes overlap by more than `least` both ways, by a sweep along u.
-std::vector<Pair> pairs_in_sight(const std::vector<View>& views, double least) {
+std::vector<PairInSight> pairs_in_sight(const std::vector<View>& views, double least) {
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < views.size(); ++i) {
     if (!views[i].tree->empty()) order.push_back(i);
@@ -74,7 +74,7 @@ std::vector<Pair> pairs_in_sight(const std::vector<View>& views, double least) {
   std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
     return std::pair(views[x].box.low[0], x) < std::pair(views[y].box.low[0], y);
   });
-  std::vector<Pair> pairs;
+  std::vector<PairInSight> pairs;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Box& box = views[order[i]].box;
     for (std::size_t j = i + 1; j < order.size(); ++j) {
@@ -87,8 +87,9 @@ std::vector<Pair> pairs_in_sight(const std::vector<View>& views, double least) {
       }
     }
   }
-  std::sort(pairs.begin(), pairs.end(),
-            [](const Pair& x, const Pair& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
+  std::sort(pairs.begin(), pairs.end(), [](const PairInSight& x, const PairInSight& y) {
+    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+  });
   return pairs;
 }
 
@@ -121,7 +122,7 @@ class Scene {
   std::vector<View> views_;
 };
 
-void add_facts(std::vector<BlockingFact>& facts, const Line& line, const Pair& pair,
+void add_facts(std::vector<BlockingFact>& facts, const Line& line, const PairInSight& pair,
                const std::array<PairVerdict, 2>& verdicts) {
   const auto add = [&](std::uint32_t part, std::uint32_t by, const PairVerdict& verdict,
                        const std::vector<std::uint32_t>& directions) {
@@ -152,10 +153,10 @@ std::vector<BlockingFact> find_blocking(std::span<const CadPart> parts,
   for (const Line& line : lines_of(directions)) {
     const detail::Frame frame = detail::frame_along(line.direction);
     scene.turn(frame);
-    const std::vector<Pair> pairs = pairs_in_sight(scene.views(), least);
+    const std::vector<PairInSight> pairs = pairs_in_sight(scene.views(), least);
     std::vector<std::array<PairVerdict, 2>> verdicts(pairs.size());
     detail::for_each_index(pairs.size(), settings, [&](std::size_t thread, std::size_t i) {
-      const Pair& pair = pairs[i];
+      const PairInSight& pair = pairs[i];
       detail::PairView view;
       view.a = &scene.views()[pair.a];
       view.b = &scene.views()[pair.b];
@@ -165,7 +166,7 @@ std::vector<BlockingFact> find_blocking(std::span<const CadPart> parts,
       view.tolerance = settings.tolerance;
       view.width_limit = least;
       const auto touch = std::lower_bound(touching.begin(), touching.end(), pair,
-                                          [](const Touching& x, const Pair& y) {
+                                          [](const Touching& x, const PairInSight& y) {
                                             return std::pair(x.a, x.b) < std::pair(y.a, y.b);
                                           });
       if (touch != touching.end() && touch->a == pair.a && touch->b == pair.b && view.closed[0] &&
