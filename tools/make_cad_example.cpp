@@ -95,8 +95,12 @@ std::vector<Product> products() {
       {"housing", housing(), {0.25, 0.30, 0.36}, "aluminium", 0.0027, {here}},
       {"board", box(10, 3, 3, 40, 34, 1.6), {0.02, 0.25, 0.10}, "FR4", 0.00185, {here}},
       {"battery", box(20, 10, 4.6, 20, 20, 8), {0.80, 0.35, 0.05}, "lithium cell", 0.0024, {here}},
-      {"gasket", cut(plate(20, 1, 1.7), box(10, 10, 20, 40, 20, 1)), {0.02, 0.02, 0.02}, "silicone",
-       0.00115, {here}},
+      {"gasket",
+       cut(plate(20, 1, 1.7), box(10, 10, 20, 40, 20, 1)),
+       {0.02, 0.02, 0.02},
+       "silicone",
+       0.00115,
+       {here}},
       {"lid", plate(21, 3, 1.7), {0.45, 0.50, 0.55}, "aluminium", 0.0027, {here}},
       {"screw M3x10", screw(), {0.55, 0.55, 0.55}, "", 0, screws},
   };
@@ -104,7 +108,10 @@ std::vector<Product> products() {
 
 void write_obj(const std::vector<Product>& all, const std::string& file) {
   std::FILE* const out = std::fopen(file.c_str(), "w");
-  std::fputs("# A sensor in a box, in millimetres: one object a part. Made by tools/make_cad_example.cpp.\n", out);
+  std::fputs(
+      "# A sensor in a box, in millimetres: one object a part. Made by "
+      "tools/make_cad_example.cpp.\n",
+      out);
   int first = 1;
   for (const Product& product : all) {
     BRepMesh_IncrementalMesh(product.shape, 0.05, Standard_False, 0.5);

@@ -298,7 +298,7 @@ CommandWork import_command(CommandLine& line) {
   line.group("Output");
   line.text("-o,--output", "FILE",
             "Write the problem to FILE and the shapes beside it, ending in .glb: both or neither; "
-            "- prints the problem alone.",
+            "- prints the problem alone (default: none, one must be given).",
             options.output);
   line.flag("--json", options.json, "Print the report as JSON (default: for people).");
   line.quiet_flag("No progress and no warnings on standard error (default: both).");

@@ -106,11 +106,9 @@ std::string head(const ImportedAssembly& assembly, const ImportFacts& facts) {
   text += fmt::format("mass       {} kg in all\n", short_text(total_mass(assembly)));
   text += fmt::format("apart      {}\n", apart_text(assembly));
   std::string stages;
-  for (const auto& [stage, seconds] : facts.seconds) {
-    if (seconds >= 0.0005)
-      stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", stage, seconds_text(seconds));
-  }
-  return text + fmt::format("effort     {}\n", stages.empty() ? "none to speak of" : stages);
+  for (const auto& [stage, seconds] : facts.seconds)
+    stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", stage, seconds_text(seconds));
+  return text + fmt::format("effort     {}\n", stages);
 }
 
 std::string parts_table(const ImportedAssembly& assembly, const Context& context) {

@@ -3,8 +3,8 @@
 
     tests/cli/import_test.py PROGRAM [unittest's arguments]
 
-What needs a module (OpenCASCADE, assimp) is skipped where the build has none, and what needs the models of
-../shared/cad where these are not there.
+What needs a module (OpenCASCADE, assimp) is skipped where the build has none, and what needs models of others where
+they do not lie beside the tree.
 """
 import json
 import os

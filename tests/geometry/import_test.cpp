@@ -128,10 +128,26 @@ TEST(Import, PartsThatTouchAreJoinedAndBlockEachOther) {
   EXPECT_EQ(assembly.problem.limits.max_moved_parts, 1U);
 }
 
+TEST(Import, TheBaseIsThePartWithMostConnectionsUnlessNamed) {
+  ImportSettings settings;
+  const ImportedAssembly chosen = assembly_from_cad(row(), settings);
+  EXPECT_TRUE(chosen.base_chosen);
+  EXPECT_EQ(chosen.problem.base, std::vector<std::string>{"block 2"});
+  EXPECT_TRUE(chosen.problem.limits.grounded);
+  settings.base = "none";
+  const ImportedAssembly none = assembly_from_cad(row(), settings);
+  EXPECT_TRUE(none.problem.base.empty());
+  EXPECT_FALSE(none.problem.limits.grounded);
+  settings.base = "block 3";
+  const ImportedAssembly named = assembly_from_cad(row(), settings);
+  EXPECT_FALSE(named.base_chosen);
+  EXPECT_TRUE(named.problem.limits.grounded);
+}
+
 TEST(Import, TheProblemIsSolved) {
   const Result result = solve(Problem(assembly_from_cad(row(), {}).problem), "auto");
   EXPECT_EQ(result.status, Status::Optimal);
-  EXPECT_EQ(result.steps.size(), 1U);  // without the one in the middle all are apart
+  EXPECT_EQ(result.steps.size(), 2U);  // from the one in the middle, which is the base
 }
 
 TEST(Import, SettingsNamePartsByIdByNameAndByPattern) {

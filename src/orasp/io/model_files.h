@@ -26,8 +26,8 @@ struct Poses {
 
 /// Which files a model is made of, and where its parts stand.
 struct ModelFiles {
-  std::vector<std::filesystem::path> models;  ///< files, and folders of mesh files
-  std::filesystem::path poses;                ///< empty: parts stand where they are drawn
+  std::vector<std::filesystem::path> models{};  ///< files, and folders of mesh files
+  std::filesystem::path poses{};                ///< empty: parts stand where they are drawn
 };
 
 /// Reads all of it into one model. Of a folder every mesh file is one part, in the order of their
