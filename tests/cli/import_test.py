@@ -120,6 +120,22 @@ class Import(Case):
         self.assertEqual((report["unit"], report["tolerance"]), ("mm", 0.1))
         _, report = self.written(EXAMPLES / "sensor_box.step", "--unit", "inch")
         self.assertAlmostEqual(report["parts"][0]["size"][0], 60 * 25.4, 3)
+        whole = (EXAMPLES / "sensor_box.step").read_bytes()
+        for unit, millimetres in [(b".CENTI.,.METRE.", 10), (b"$,.METRE.", 1000)]:
+            file = self.file("other.step", whole.replace(b".MILLI.,.METRE.", unit))
+            _, report = self.written(file)
+            self.assertEqual(report["millimetres_per_unit"], millimetres)
+            self.assertAlmostEqual(report["parts"][0]["size"][0], 60 * millimetres, 3)
+
+    @has_step
+    def test_ap242_is_read_as_ap214_is(self):
+        first, _ = self.written(EXAMPLES / "sensor_box.step")
+        text = (EXAMPLES / "sensor_box.step").read_text()
+        schema = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
+        changed = text.replace("AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }", schema)
+        self.assertNotEqual(changed, text)
+        second, _ = self.written(self.file("box.step", changed))
+        self.assertEqual(first["parts"], second["parts"])
 
     @has_step
     def test_faulty_step_files_are_one_sentence_each(self):
