@@ -9,7 +9,7 @@ void Crossings::intervals(std::size_t slot, std::vector<Interval>& found) {
   const auto first = crossings_.begin() + begin_[slot];
   const auto last = crossings_.begin() + begin_[slot + 1];
   std::sort(first, last, [](const Crossing& a, const Crossing& b) {
-    return a.height != b.height ? a.height < b.height : a.leaves < b.leaves;
+    return a.height != b.height ? a.height < b.height : !a.leaves && b.leaves;
   });
   int inside = 0;
   double entered = 0;

@@ -81,8 +81,7 @@ bool names_fastener(std::string_view name) {
     const std::string& word = words[i];
     if (word == "leadscrew" || word == "ballscrew") return false;
     if (is_fastener_word(word) || is_thread(word)) {
-      if (i > 0 && among(kDrives, words[i - 1])) return false;
-      return true;
+      return i == 0 || !among(kDrives, words[i - 1]);
     }
     for (const std::string_view standard : kStandards) {
       if (word == standard && i + 1 < words.size() && is_number(words[i + 1])) return true;
