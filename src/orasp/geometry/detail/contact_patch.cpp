@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "orasp/geometry/detail/line_raster.h"
@@ -108,6 +109,40 @@ struct Facing {
   }
 };
 
+// Patches by the cube of space that their normals end in.
+class NormalIndex {
+ public:
+  explicit NormalIndex(double side) : side_(std::max(1e-6, side)) {}
+
+  void add(const Vector3& normal, std::size_t patch) { cubes_[cube(normal)].push_back(patch); }
+  // The first patch whose normal is within the angle, or their number.
+  [[nodiscard]] std::size_t first_near(const Vector3& normal,
+                                       const std::vector<ContactPatch>& patches,
+                                       double cosine) const {
+    std::size_t first = patches.size();
+    const Cube middle = cube(normal);
+    for (int i = 0; i < 27; ++i) {
+      const auto found =
+          cubes_.find({middle[0] + i / 9 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i % 3 - 1});
+      if (found == cubes_.end()) continue;
+      for (const std::size_t patch : found->second) {
+        if (dot(patches[patch].normal, normal) >= cosine) first = std::min(first, patch);
+      }
+    }
+    return first;
+  }
+
+ private:
+  using Cube = std::array<long, 3>;
+  [[nodiscard]] Cube cube(const Vector3& normal) const {
+    return {std::lround(normal[0] / side_), std::lround(normal[1] / side_),
+            std::lround(normal[2] / side_)};
+  }
+
+  double side_;
+  std::map<Cube, std::vector<std::size_t>> cubes_;
+};
+
 bool near(const Corners& a, const Corners& b, double tolerance) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (std::min({a[0][k], a[1][k], a[2][k]}) > std::max({b[0][k], b[1][k], b[2][k]}) + tolerance ||
@@ -190,15 +225,15 @@ std::vector<ContactPatch> gathered_by_normal(std::vector<ContactPatch> patches, 
     }
   }
   std::stable_sort(distinct.begin(), distinct.end(), larger);
+  NormalIndex index(std::sqrt(2 - 2 * cosine));
   std::vector<ContactPatch> gathered;
   for (const ContactPatch& patch : distinct) {
-    const auto same = std::find_if(
-        gathered.begin(), gathered.end(),
-        [&](const ContactPatch& other) { return dot(other.normal, patch.normal) >= cosine; });
-    if (same == gathered.end()) {
+    const std::size_t same = index.first_near(patch.normal, gathered, cosine);
+    if (same == gathered.size()) {
+      index.add(patch.normal, gathered.size());
       gathered.push_back(patch);
     } else {
-      join(*same, patch);
+      join(gathered[same], patch);
     }
   }
   std::stable_sort(gathered.begin(), gathered.end(), larger);

@@ -22,7 +22,7 @@ struct ContactPatch {
 
 /// The patches whose normals differ by less than an angle (its cosine is given), as one each with
 /// the normal of its largest, those of most area first. Normals that round to the same thousandths
-/// are brought together by sorting, for a thread has thousands; then O(rest * result).
+/// are brought together by sorting, for a thread has thousands. O(n log n).
 [[nodiscard]] std::vector<ContactPatch> gathered_by_normal(std::vector<ContactPatch> patches,
                                                            double cosine);
 
