@@ -34,8 +34,8 @@ struct BlockingFact {
 /// of a first look, some thousands, settle most pairs: a region that is plainly wide blocks. Else
 /// bounds on the heights of the triangles in each cell say where anything may be blocked at all,
 /// and only these cells are cut finer, down to half the tolerance, so that a wire or a lip thinner
-/// than a cell of the first look is met; a width within 1.5 cells of the limit is looked at with
-/// lines four times as close. Widths are those of an exact Euclidean distance transform.
+/// than a cell of the first look is met; where a width is within 1.5 cells of the limit the lines are
+/// drawn four times as close. Widths are those of an exact Euclidean distance transform.
 ///
 /// Real drawings overlap: screws in bores of the core's diameter, inserts, press fits, errors. For
 /// closed parts that touch (`contacts`), what both cover is first taken on each line from A, and
@@ -44,7 +44,7 @@ struct BlockingFact {
 ///
 /// Guarantee: regions wider than the limit by more than the tolerance are found, and none narrower
 /// than it by more than that is given, as far as the mesh is true and the parts are no larger than
-/// about 5,000 tolerances (beyond that the finest cells grow with the part, and thin things may be
+/// about 4,000 tolerances (beyond that the finest cells grow with the part, and thin things may be
 /// missed). A region broken into strips at the very distance of the lines could deceive the first
 /// look. A numerical answer, not a proof. `width` is good to a cell: a fortieth of the shadow's side
 /// where it is wide, a quarter of the tolerance near the limit.

@@ -255,8 +255,8 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
   const bool single = shadow.width() / finest * (shadow.height() / finest) <= kSingleCells;
   const AllCells coarse(Grid::over(shadow, single ? finest : coarse_side(shadow, finest)));
 
-  // Looks from one raster at both sides that are open; true where a side is settled by it. `doubt`
-  // is how many cells wider than the limit a region must be.
+  // Looks at the open sides from one raster, and closes those with a region at least `doubt` cells
+  // wider than the limit.
   const auto settle = [&](const auto& cells, double doubt, bool last) {
     const double cell = cells.grid().side;
     look(cells, pair, open);
