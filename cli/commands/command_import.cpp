@@ -169,6 +169,14 @@ void require_sense(const ImportOptions& options) {
   if (options.output == "-" && options.json)
     throw InputError("only one of --json and -o - can be on standard output");
   if (options.models.empty()) throw InputError("MODEL is missing, a file or a folder");
+  const std::filesystem::path shapes =
+      std::filesystem::path(options.output).replace_extension(".glb");
+  for (const std::string& model : options.models) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(model, shapes, ignored))
+      throw InputError(fmt::format(
+          "the shapes would be written over {}; give -o another name or folder", in_quotes(model)));
+  }
 }
 
 }  // namespace

@@ -298,6 +298,13 @@ class Import(Case):
                 self.check_sentence(answer)
                 self.assertIn(said, answer.error)
 
+    def test_a_model_is_not_written_over(self):
+        model = self.file("pump.glb", b"precious")
+        answer = orasp("import", model, "-o", self.folder / "pump.json")
+        self.check_sentence(answer)
+        self.assertIn("would be written over", answer.error)
+        self.assertEqual(Path(model).read_bytes(), b"precious")
+
     @has_meshes
     def test_neither_file_is_written_where_one_cannot_be(self):
         target = self.folder / "there" / "x.json"
