@@ -137,7 +137,7 @@ TEST(FindBlocking, TellsNarrowWidthsClosely) {
     ASSERT_EQ(facts.size(), 1U) << width;
     EXPECT_NEAR(facts[0].width, width, 0.05);
   }
-  for (const double width : {0.05, 0.1, 0.17}) {
+  for (const double width : {0.05, 0.1, 0.17, 0.2}) {
     const auto facts = facts_of(
         {part(block({0, 0, 0}, {40, 40, 10})), part(block({40 - width, 0, 20}, {60, 40, 21}))},
         {{0, 0, 1}}, with_tolerance(0.1));

@@ -17,9 +17,9 @@ struct MadeCase {
   double tolerance = 0.1;
 };
 
-/// Eighteen pairs: rests, slots, pegs, fits, screws, sockets, thin things and a drawing error. Round
-/// faces are drawn with a deflection of half the tolerance and, in the two parts, of different
-/// triangles, unless `finer` divides it.
+/// Eighteen pairs: rests, slots, pegs, fits, screws, sockets, thin things and a drawing error.
+/// Round faces are drawn with a deflection of half the tolerance and, in the two parts, of
+/// different triangles, unless `finer` divides it.
 [[nodiscard]] inline std::vector<MadeCase> made_cases(double finer = 1.0) {
   const auto sides = [finer](double radius) { return segments_for(radius, 0.05 / finer); };
   const auto others = [&](double radius) { return sides(radius) + 3; };

@@ -51,15 +51,15 @@ struct GeometrySettings {
 /// Pairs whose boxes are near are found by a sweep; their distance is the exact one of their
 /// triangles, by a hierarchy of boxes for each mesh, and two parts touch if it is not more than the
 /// tolerance. The area is that of the pairs of triangles that face one another, each laid onto the
-/// other and cut where they are farther apart than the tolerance: exact for plane faces. The overlap
-/// of two closed parts, if it is thicker than the tolerance, is measured on rasters of lines along
-/// the three axes: the volume to about a hundredth, not to be quoted further. A closed part within
-/// the material of another is found as well.
+/// other and cut where they are farther apart than the tolerance: exact for plane faces. The
+/// overlap of two closed parts, if it is thicker than the tolerance, is measured on rasters of
+/// lines along the three axes: the volume to about a hundredth, not to be quoted further. A closed
+/// part within the material of another is found as well.
 ///
-/// The kind is Fastener if the name of one of the two says so; Fit if the overlap runs round a hole,
-/// if the drawing has a peg and a hole about one axis with radii that differ by at most half the
-/// tolerance, or, without such a drawing, if the faces that touch leave no way across some axis; and
-/// Touch otherwise.
+/// The kind is Fastener if the name of one of the two says so; Fit if the overlap runs round a
+/// hole, if the drawing has a peg and a hole about one axis with radii that differ by at most half
+/// the tolerance, or, without such a drawing, if the faces that touch leave no way across some axis;
+/// and Touch otherwise.
 ///
 /// O(n log n) for n triangles, and some milliseconds for each pair that touches. The answer does
 /// not depend on the number of threads. Throws Interrupted.

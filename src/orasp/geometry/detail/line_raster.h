@@ -108,11 +108,11 @@ struct Slope {
   }
 };
 
-/// Where the line at height v meets the outline of a triangle, [low, high), and whether the triangle
-/// faces along the direction there. All of it follows from where the edges cross the line, and each
-/// edge is walked from its lower end, so that two triangles at an edge agree on it to the last bit:
-/// no line of sight slips between them or meets both, and it leaves a closed surface as often as it
-/// enters it, however thin the triangles are.
+/// Where the line at height v meets the outline of a triangle, [low, high), and whether the
+/// triangle faces along the direction there. All of it follows from where the edges cross the line,
+/// and each edge is walked from its lower end, so that two triangles at an edge agree on it to the
+/// last bit: no line of sight slips between them or meets both, and it leaves a closed surface as
+/// often as it enters it, however thin the triangles are.
 struct Span {
   double low = 0.0;
   double high = 0.0;
@@ -137,7 +137,8 @@ struct Span {
   return {found[1], found[0], first_rises};
 }
 
-/// Calls meet(row, first column, end column, slope, up) for each run of lines that a triangle meets.
+/// Calls meet(row, first column, end column, slope, up) for each run of lines that a triangle
+/// meets.
 template <class Meet>
 void for_runs(const Grid& grid, const Corners& c, Meet&& meet) {
   const int begin = grid.first_row(std::min({c[0][1], c[1][1], c[2][1]}));

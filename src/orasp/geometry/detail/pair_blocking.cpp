@@ -217,8 +217,8 @@ std::size_t PairBlocking::choose_cells(const Cells& cells, const PairView& pair,
 }
 
 // Chooses the lines of the second look, in the cells that may be blocked. Where a cell of the first
-// look would be cut into many, it is first cut into some, and only those that may be blocked are cut
-// further: along the outline of a shadow they are few.
+// look would be cut into many, it is first cut into some, and only those that may be blocked are
+// cut further: along the outline of a shadow they are few.
 void PairBlocking::choose_lines(const AllCells& coarse, const PairView& pair,
                                 const std::array<bool, 2>& open, double finest) {
   std::size_t count = choose_cells(coarse, pair, open);
@@ -265,11 +265,14 @@ std::array<PairVerdict, 2> PairBlocking::decide(const PairView& pair) {
       const double narrowest = pair.width_limit / cell - (last ? 1.5 : -doubt);
       Region region = judge(cells, pair, static_cast<int>(s), narrowest);
       region.cell = cell;
-      if (last && std::abs(region.width() - pair.width_limit) < 1.5 * cell) {
+      double limit = pair.width_limit + doubt * cell;
+      if (last && std::abs(region.width() - limit) < 1.5 * cell) {
         const Region sharp = sharpened(cells, pair, static_cast<int>(s), narrowest);
+        // Drawings like widths of just the limit: they count as narrow, however the lines fall.
         if (sharp.cell > 0) region = sharp;
+        if (sharp.cell > 0) limit += sharp.cell;
       }
-      if (region.width() - doubt * cell > pair.width_limit) {
+      if (region.width() > limit) {
         verdicts[s] = {true, region.width(), region.depth};
         open[s] = false;
       }
