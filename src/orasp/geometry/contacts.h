@@ -58,8 +58,8 @@ struct GeometrySettings {
 ///
 /// The kind is Fastener if the name of one of the two says so; Fit if the overlap runs round a
 /// hole, if the drawing has a peg and a hole about one axis with radii that differ by at most half
-/// the tolerance, or, without such a drawing, if the faces that touch leave no way across some axis;
-/// and Touch otherwise.
+/// the tolerance, or, without such a drawing, if the faces that touch leave no way across some
+/// axis; and Touch otherwise.
 ///
 /// O(n log n) for n triangles, and some milliseconds for each pair that touches. The answer does
 /// not depend on the number of threads. Throws Interrupted.
