@@ -7,6 +7,7 @@
 #include "cli/commands/command_evaluate.h"
 #include "cli/commands/command_explain.h"
 #include "cli/commands/command_graph.h"
+#include "cli/commands/command_import.h"
 #include "cli/commands/command_paper.h"
 #include "cli/commands/command_replan.h"
 #include "cli/commands/command_report.h"
@@ -19,7 +20,7 @@
 namespace orasp::cli {
 namespace {
 
-constexpr std::array<Command, 13> kCommands = {{
+constexpr std::array<Command, 14> kCommands = {{
     {"solve", "find a plan", solve_command},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
@@ -31,6 +32,7 @@ constexpr std::array<Command, 13> kCommands = {{
     {"train", "learn a policy by deep Q-learning", train_command},
     {"report", "one page that shows a problem and its plans", report_command},
     {"paper", "the paper's numbers and figures, computed again", paper_command},
+    {"import", "make a problem of a CAD model", import_command},
     {"scenarios", "list the built-in problems, or print one", scenarios_command},
     {"completion", "print the completion script for bash", completion_command},
 }};

@@ -41,13 +41,19 @@
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
 ///     use(orasp::solve(lattice, "fleet-search").fleet_plan.steps);
 ///
+///     // From CAD: parts, contacts, what blocks what. Reading needs OpenCASCADE or assimp,
+///     // planning does not.
+///     const orasp::ImportedAssembly pump =
+///         orasp::assembly_from_cad(orasp::read_model({.models = {"pump.step"}}, {}), {});
+///     use(orasp::solve(orasp::Problem(pump.problem), "auto"));
+///
 ///     // Figures for a paper, as SVG files: structure, steps, H, growth.
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
 ///
 /// Folders: model (problem, rules), task (budget, result), bounds, graph (H), planners (one method
-/// a pair of files), mip, explain, execution (replanning), learning, fleet, io (files), drawing,
-/// report, catalogue (all planners by name). Errors: InputError, and nothing else is thrown on
-/// purpose. Units: kg, m, s.
+/// a pair of files), mip, explain, execution (replanning), learning, fleet, geometry (CAD), io
+/// (files), drawing, report, catalogue (all planners by name). Errors: InputError, and nothing else
+/// is thrown on purpose. Units: kg, m, s; geometry: mm.
 
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/bounds/connection_bound.h"
@@ -67,12 +73,17 @@
 #include "orasp/fleet/fleet_mip.h"
 #include "orasp/fleet/fleet_search.h"
 #include "orasp/fleet/fleet_validate.h"
+#include "orasp/geometry/assembly_from_cad.h"
+#include "orasp/geometry/cad_reader.h"
+#include "orasp/geometry/mesh_reader.h"
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/graph/state_index.h"
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/fleet_plan_json.h"
+#include "orasp/io/import_files.h"
+#include "orasp/io/model_files.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/io/scenarios.h"
