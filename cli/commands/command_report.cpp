@@ -293,7 +293,8 @@ int run(const ReportOptions& options, const Context& context) {
   const bool by_part = problem.spec().action == StepKind::Part;
   if (by_part && !options.svg.empty())
     throw InputError(
-        "--svg: figures are drawn of steps that take one connection each; with \"action\": \"part\" "
+        "--svg: figures are drawn of steps that take one connection each; with \"action\": "
+        "\"part\" "
         "a step takes several; -o writes the page");
   const TransitionSystem system(problem);
   const LimitOptions limits = search_limits(options);
@@ -333,9 +334,8 @@ int run(const ReportOptions& options, const Context& context) {
                               counted(figures.size(), "figure"), printable(options.svg)));
   }
   if (solved_here) return exit_code(report.best);
-  const bool valid = std::ranges::all_of(report.plans, [&](const ReportPlan& plan) {
-    return replayed(system, plan).valid;
-  });
+  const bool valid = std::ranges::all_of(
+      report.plans, [&](const ReportPlan& plan) { return replayed(system, plan).valid; });
   return valid ? kSolved : kNoPlan;
 }
 

@@ -70,8 +70,8 @@ struct Glb {
   std::size_t box(float x, float y, float z) {
     std::vector<float> points;
     for (int i = 0; i < 8; ++i) {
-      points.insert(points.end(), {(i & 1) != 0 ? x : 0.0F, (i & 2) != 0 ? y : 0.0F,
-                                   (i & 4) != 0 ? z : 0.0F});
+      points.insert(points.end(),
+                    {(i & 1) != 0 ? x : 0.0F, (i & 2) != 0 ? y : 0.0F, (i & 4) != 0 ? z : 0.0F});
     }
     return mesh(points, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                          2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5});
@@ -151,8 +151,7 @@ std::vector<Drawn> drawn(const PartShapes& shapes) {
       }
     }
     const auto count = [&](std::size_t i) {
-      return document["accessors"][primitives[i]["indices"].get<int>()]["count"]
-          .get<std::size_t>();
+      return document["accessors"][primitives[i]["indices"].get<int>()]["count"].get<std::size_t>();
     };
     part.triangles = count(0) / 3;
     if (primitives.size() > 1) part.lines = count(1) / 2;
@@ -206,11 +205,11 @@ TEST(PartShapes, NodesBelowAPartAreItsOwnUnlessTheyAreOtherParts) {
   Glb glb;
   const std::size_t box = glb.box(1, 2, 3);
   const double half = std::sqrt(0.5);
-  glb.document["nodes"] = {{{"name", "group"}, {"rotation", {0, 0, half, half}}, {"children", {1}}},
-                           {{"name", "a"}, {"translation", {1, 0, 0}}, {"mesh", box},
-                            {"children", {2, 3}}},
-                           {{"translation", {0, 0, 5}}, {"mesh", box}},
-                           {{"name", "b"}, {"scale", {2, 2, 2}}, {"mesh", box}}};
+  glb.document["nodes"] = {
+      {{"name", "group"}, {"rotation", {0, 0, half, half}}, {"children", {1}}},
+      {{"name", "a"}, {"translation", {1, 0, 0}}, {"mesh", box}, {"children", {2, 3}}},
+      {{"translation", {0, 0, 5}}, {"mesh", box}},
+      {{"name", "b"}, {"scale", {2, 2, 2}}, {"mesh", box}}};
   const PartShapes shapes = part_shapes(problem_of({"a", "b"}), glb.text());
   const std::vector<Drawn> parts = drawn(shapes);
   expect_box(parts[0], {-2, 1, 0}, {0, 2, 8});
@@ -293,8 +292,7 @@ TEST(PartShapes, ManyTrianglesBecomeFewAndTheShapeStays) {
   EXPECT_GT(shapes.triangles, kMaxPageTriangles / 20);
   EXPECT_LE(shapes.glb.size(), kMaxPageShapeBytes);
   const Drawn last = drawn(shapes).back();
-  for (std::size_t k = 0; k < 3; ++k)
-    EXPECT_NEAR(last.high[k] - last.low[k], 2, 0.05);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(last.high[k] - last.low[k], 2, 0.05);
   EXPECT_EQ(last.lines, 0) << "a sphere has no edge";
   EXPECT_EQ(shapes.glb, part_shapes(problem, glb.text()).glb);
 }
@@ -305,9 +303,9 @@ TEST(PartShapes, WhatIsNoFileOfShapesIsSaidInAClause) {
   EXPECT_EQ(fault(problem, ""), "it is not a binary glTF file");
   EXPECT_EQ(fault(problem, "solid cube"), "it is not a binary glTF file");
   EXPECT_EQ(fault(problem, file.substr(0, 9)), "it is cut off within its first 12 bytes");
-  EXPECT_EQ(fault(problem, file.substr(0, 100)),
-            "it is cut off after 100 of its " + std::to_string(file.size() / 1000) + "," +
-                std::to_string(file.size() % 1000) + " bytes");
+  EXPECT_EQ(fault(problem, file.substr(0, 100)), "it is cut off after 100 of its " +
+                                                     std::to_string(file.size() / 1000) + "," +
+                                                     std::to_string(file.size() % 1000) + " bytes");
   std::string old = file;
   old[4] = 1;
   EXPECT_EQ(fault(problem, old), "it is glTF version 1, and 2 is read");
@@ -324,7 +322,9 @@ TEST(PartShapes, WhatIsDamagedIsSaidInAClause) {
             "its JSON names the mesh 7, which is not there");
   EXPECT_EQ(fault_after([](Glb& glb) { glb.document["nodes"][1].erase("mesh"); }),
             "the node of part \"b\" in it has no triangle");
-  EXPECT_EQ(fault_after([](Glb& glb) { glb.document["nodes"][1]["children"] = {0, 0}; }),
+  EXPECT_EQ(fault_after([](Glb& glb) {
+              glb.document["nodes"][1]["children"] = {0, 0};
+            }),
             "its JSON lists the node 0 twice");
   EXPECT_EQ(fault_after([](Glb& glb) {
               glb.document["nodes"][0]["children"] = {1};

@@ -136,7 +136,8 @@ TEST(Report, StepsThatTakePartsOffSplitPiecesAsConnectionsDo) {
     const Json data = Json::parse(report_data(system, report))["plans"][0];
     EXPECT_EQ(data["status"], "optimal");
     ASSERT_EQ(data["steps"].size(), plan.part_steps.size());
-    std::vector<bool> there(problem.num_connections(), problem.direction() == Direction::Disassembly);
+    std::vector<bool> there(problem.num_connections(),
+                            problem.direction() == Direction::Disassembly);
     for (const PlanStep& step : plan.part_steps) {
       for (const ConnectionIndex c : step.connections) there[c] = true;
     }

@@ -34,47 +34,73 @@ export function glb(meshes) {
   return Buffer.concat([head, json, chunk, ...pieces]);
 }
 
-const boxMesh = ({id, low, high}) => ({id, corners: faces, points: [...Array(8).keys()].flatMap((i) => [0, 1, 2].map((k) => ((i >> k) & 1 ? high : low)[k]))});
-
 /** Whether two boxes have more in common than a face. */
-export const overlap = (a, b, slack = 1e-9) => [0, 1, 2].every((k) => a.low[k] < b.high[k] - slack && a.high[k] > b.low[k] + slack);
+const boxesOverlap = (a, b, slack) => [0, 1, 2].every((k) => a.low[k] < b.high[k] - slack && a.high[k] > b.low[k] + slack);
+
+/** Whether two parts, of several boxes each, have more in common than faces. */
+export const overlap = (a, b, slack = 1e-9) => a.boxes.some((one) => b.boxes.some((other) => boxesOverlap(one, other, slack)));
+
+/** A part with each box changed. */
+export const changed = (part, change) => ({id: part.id, boxes: part.boxes.map(({low, high}) => change(low, high))});
+
+const partMesh = ({id, boxes}) => ({
+  id,
+  corners: boxes.flatMap((_, i) => faces.map((corner) => 8 * i + corner)),
+  points: boxes.flatMap(({low, high}) => [...Array(8).keys()].flatMap((i) => [0, 1, 2].map((k) => ((i >> k) & 1 ? high : low)[k]))),
+});
 
 const axes = [['+x', 0, 1], ['-x', 0, -1], ['+y', 1, 1], ['-y', 1, -1], ['+z', 2, 1], ['-z', 2, -1]];
 
-/** A problem of boxes, in metres: what touches is connected, and what would meet something on its way along an axis is blocked by it. */
-export function boxProblem(boxes, more = {}) {
-  const far = (box, k, sign) => ({low: box.low.map((x, i) => (i === k && sign < 0 ? -1e3 : x)), high: box.high.map((x, i) => (i === k && sign > 0 ? 1e3 : x))});
+/** A problem of such parts, in metres: what touches is connected, and what would meet something on its way along an axis is blocked by it. */
+export function boxProblem(parts, more = {}) {
+  const far = (part, k, sign) => changed(part, (low, high) => ({low: low.map((x, i) => (i === k && sign < 0 ? -1e3 : x)), high: high.map((x, i) => (i === k && sign > 0 ? 1e3 : x))}));
   const connections = [];
   const blocked = [];
-  boxes.forEach((a, i) => boxes.forEach((b, j) => {
+  parts.forEach((a, i) => parts.forEach((b, j) => {
     if (i < j && overlap(a, b, -1e-9)) connections.push({parts: [a.id, b.id]});
     const directions = axes.filter(([, k, sign]) => i !== j && overlap(far(a, k, sign), b)).map(([name]) => name);
     if (directions.length > 0) blocked.push({part: a.id, by: b.id, directions});
   }));
-  const parts = boxes.map(({id, low, high}) => ({id, mass: low.reduce((product, x, k) => product * (high[k] - x), 7800), position: low.map((x, k) => (x + high[k]) / 2)}));
-  return {format: 'orasp-problem/1', name: 'Cabinet', parts, connections, blocking: {directions: axes.map(([name]) => name), blocked}, geometry: {file: 'cabinet.glb'}, ...more};
+  const described = parts.map(({id, boxes}) => {
+    const volumes = boxes.map(({low, high}) => low.reduce((product, x, k) => product * (high[k] - x), 1));
+    const volume = volumes.reduce((sum, x) => sum + x);
+    const position = [0, 1, 2].map((k) => boxes.reduce((sum, {low, high}, i) => sum + (volumes[i] * (low[k] + high[k])) / 2, 0) / volume);
+    return {id, mass: Number((700 * volume).toPrecision(9)), position};
+  });
+  return {format: 'orasp-problem/1', name: 'Cabinet', parts: described, connections, blocking: {directions: axes.map(([name]) => name), blocked}, geometry: {file: 'cabinet.glb'}, ...more};
 }
 
-const box = (id, low, high) => ({id, low: low.map((x) => x / 100), high: high.map((x) => x / 100)});
+const metres = (list) => list.map((x) => x / 100);
+const part = (id, ...boxes) => ({id, boxes: boxes.map(([low, high]) => ({low: metres(low), high: metres(high)}))});
 
-/** A cabinet: walls between a floor and a roof, a drawer in it with things in it, feet below, pins that hold the roof. */
+/** A slab with square holes, from `z` to `top`: what is left of a grid of boxes. */
+function slab(cutsX, cutsY, z, top, isHole) {
+  const boxes = [];
+  for (let i = 0; i + 1 < cutsX.length; ++i) for (let j = 0; j + 1 < cutsY.length; ++j) if (!isHole(i, j)) boxes.push([[cutsX[i], cutsY[j], z], [cutsX[i + 1], cutsY[j + 1], top]]);
+  return boxes;
+}
+
+const foot = (id, x, y) => part(id, [[x - 3, y - 3, -4], [x + 3, y + 3, 0]], [[x - 1, y - 1, 0], [x + 1, y + 1, 2]]);
+const odd = (i, j) => i % 2 === 1 && j % 2 === 1;
+
+/** A cabinet: walls between a floor and a roof, a drawer with things in it, feet with pegs in the floor. */
 export const cabinet = [
-  box('floor', [0, 0, 0], [40, 30, 2]),
-  box('wall.1', [0, 0, 2], [2, 30, 22]),
-  box('wall.2', [38, 0, 2], [40, 30, 22]),
-  box('back', [2, 28, 2], [38, 30, 22]),
-  box('roof', [0, 0, 22], [40, 30, 24]),
-  box('tray', [2, 0, 2], [38, 28, 4]),
-  box('front', [2, -2, 2], [38, 0, 20]),
-  box('block.1', [6, 6, 4], [14, 14, 12]),
-  box('block.2', [18, 6, 4], [26, 14, 12]),
-  box('foot.1', [2, 2, -4], [6, 6, 0]),
-  box('foot.2', [34, 2, -4], [38, 6, 0]),
-  box('foot.3', [2, 24, -4], [6, 28, 0]),
-  box('foot.4', [34, 24, -4], [38, 28, 0]),
-  box('knob', [18, -5, 10], [22, -2, 14]),
+  part('floor', ...slab([0, 4, 6, 34, 36, 40], [0, 4, 6, 24, 26, 30], 0, 2, odd)),
+  part('wall.1', [[0, 0, 2], [2, 30, 22]]),
+  part('wall.2', [[38, 0, 2], [40, 30, 22]]),
+  part('back', [[2, 28, 2], [38, 30, 22]]),
+  part('roof', [[0, 0, 22], [40, 30, 24]]),
+  part('tray', [[2, 0, 2], [38, 27, 3]], [[2, 0, 3], [3, 27, 12]], [[37, 0, 3], [38, 27, 12]], [[3, 26, 3], [37, 27, 12]]),
+  part('front', [[2, -2, 2], [19, 0, 20]], [[21, -2, 2], [38, 0, 20]], [[19, -2, 2], [21, 0, 11]], [[19, -2, 13], [21, 0, 20]]),
+  part('block.1', [[6, 6, 3], [14, 14, 11]]),
+  part('block.2', [[18, 6, 3], [26, 14, 11]]),
+  foot('foot.1', 5, 5),
+  foot('foot.2', 35, 5),
+  foot('foot.3', 5, 25),
+  foot('foot.4', 35, 25),
+  part('knob', [[19, -2, 11], [21, 0, 13]], [[18, -5, 10], [22, -2, 14]]),
 ];
-export const cabinetFile = () => glb(cabinet.map(boxMesh));
+export const cabinetFile = () => glb(cabinet.map(partMesh));
 
 /** `count` wavy balls of about `triangles` triangles each, in a row of rows; each with a mesh of its own. */
 export function balls(count, triangles) {

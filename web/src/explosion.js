@@ -55,6 +55,11 @@ export function clearance(movers, others, direction) {
   return distance;
 }
 
+/** How far `movers` must go along `direction` to be beyond all of `others`, met or not: then nothing hides them. */
+function beyond(movers, others, direction) {
+  return Math.max(...others.map((box) => shadow(box, direction)[1])) - Math.min(...movers.map((box) => shadow(box, direction)[0]));
+}
+
 /** The direction in which the piece of a step leaves: the plan's, or where it has none away from what stays. */
 function directionOf(step, movers, others) {
   if (step.way) return unit(step.way[2]);
@@ -64,12 +69,14 @@ function directionOf(step, movers, others) {
 
 /**
  * For each step of a plan that moves something, in disassembly order: {step (its place), parts, direction, out, apart}.
- * Moved by `out`, the parts are clear of what stays of their piece. Moved by `apart`, in order and each after the one before
+ * Moved by `out`, the parts are beyond what stays of their piece. Moved by `apart`, in order and each after the one before
  * it, all parts end clear of each other, and none passes through another that was put there before: a piece goes beyond all
  * that what stays will reach on its own way, since what stays comes apart later.
  */
 export function explode(plan, boxes) {
-  const gap = 0.045 * diagonal(around(boxes));
+  // Wider between few pieces than between many.
+  const count = Math.max(1, plan.steps.filter(({moved: parts}) => parts).length);
+  const gap = Math.min(0.11, Math.max(0.03, 0.6 / count)) * diagonal(around(boxes));
   const labels = plan.labels.slice();
   const stays = plan.steps.map((step) => {
     if (!step.moved || !step.split) return null;
@@ -102,7 +109,7 @@ export function explode(plan, boxes) {
     const there = going.map((box) => moved(box, scaled(direction, apart)));
     const passed = movers.map((box) => around([box, moved(box, scaled(direction, apart))]));
     room.set(from, [...kept, ...there, ...passed]);
-    list.push({step: k, parts: step.moved, direction, out: clearance(movers, others, direction) + gap, apart});
+    list.push({step: k, parts: step.moved, direction, out: Math.max(0, beyond(movers, others, direction)) + 0.11 * diagonal(around([...movers, ...others])), apart});
   }
   return list.reverse();
 }

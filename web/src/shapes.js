@@ -1,6 +1,6 @@
 // The true parts in space: what the file of shapes holds, how each step takes its piece out, all of it apart, and the pictures
 // of the book.
-import {BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Vector3} from 'three';
+import {BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, GreaterDepth, Group, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Vector3} from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {CSS2DObject} from 'three/addons/renderers/CSS2DRenderer.js';
 import {around, centre, explode, offsets} from './explosion.js';
@@ -48,8 +48,8 @@ const corners = ({low, high}, offset = [0, 0, 0]) => [...Array(8).keys()].map((i
 const tints = {
   // How much of the background is mixed in, and how strong edges are.
   own: {mix: 0.08, edge: 0.75},
-  pale: {mix: 0.7, edge: 0.3},
-  bright: {mix: 0, edge: 0.9},
+  pale: {mix: 0.7, edge: 0.45},
+  bright: {mix: 0, edge: 0.6},
   ghost: {mix: 0.5, edge: 0.1, opacity: 0.07},
 };
 
@@ -81,6 +81,13 @@ export class ShapeSpace extends Space {
       body.matrixAutoUpdate = false;
       body.matrix.copy(place);
       group.add(body);
+      // What shines through where something hides the part.
+      const veil = new Mesh(surface);
+      veil.matrixAutoUpdate = false;
+      veil.matrix.copy(place);
+      veil.renderOrder = 1;
+      veil.visible = false;
+      group.add(veil);
       let rim = null;
       if (edges) {
         rim = new LineSegments(edges);
@@ -96,14 +103,15 @@ export class ShapeSpace extends Space {
       label.visible = false;
       group.add(label);
       this.scene.add(group);
-      return {group, body, rim, text, label};
+      return {group, body, veil, rim, text, label};
     });
 
-    this.trails = new LineSegments(new BufferGeometry(), new LineDashedMaterial({dashSize: 0.012 * this.size, gapSize: 0.009 * this.size, transparent: true, opacity: 0.85}));
+    this.trails = new LineSegments(new BufferGeometry(), new LineDashedMaterial({dashSize: 0.014 * this.size, gapSize: 0.008 * this.size, transparent: true, opacity: 0.8}));
     this.trails.frustumCulled = false;
     this.scene.add(this.trails);
     this.arrow = this.makeArrow();
 
+    this.controls.enablePan = true;
     this.camera.near = 0.002 * this.size;
     this.camera.far = 60 * this.size;
     this.turnHome();
@@ -131,8 +139,9 @@ export class ShapeSpace extends Space {
       const surface = new Color(palette.surface);
       const own = tint === 'bright' ? new Color(palette.accent) : this.shapes[part].colour?.clone() ?? new Color(palette.pieces[1 + (kind % 6)]).lerp(surface, 0.3);
       this.materials.set(key, {
-        body: new MeshLambertMaterial({color: own.clone().lerp(surface, mix), transparent: opacity < 1, opacity, depthWrite: opacity === 1, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}),
-        rim: new LineBasicMaterial({color: new Color(palette.ink), transparent: true, opacity: edge}),
+        veil: tint === 'bright' ? new MeshBasicMaterial({color: own, transparent: true, opacity: 0.45, depthFunc: GreaterDepth, depthWrite: false}) : null,
+        body: new MeshLambertMaterial({color: own.clone().lerp(surface, mix), transparent: opacity < 1 || tint === 'bright', opacity, depthWrite: opacity === 1, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}),
+        rim: new LineBasicMaterial({color: own.clone().lerp(new Color(palette.ink), 0.75), transparent: true, opacity: edge}),
       });
     }
     return this.materials.get(key);
@@ -140,24 +149,32 @@ export class ShapeSpace extends Space {
 
   paint() {
     this.materials.clear();
-    this.trails.material.color.set(this.palette.muted);
+    this.trails.material.color.set(this.palette.ink);
     for (const piece of this.arrow.children) piece.material.color.set(this.palette.ink);
     this.parts.forEach((_, part) => this.tint(part, this.marked[part]));
   }
 
   tint(part, tint) {
-    const {body, rim} = this.parts[part];
+    const {body, veil, rim} = this.parts[part];
     const material = this.material(part, tint);
+    const bright = tint === 'bright';
     this.marked[part] = tint;
     body.material = material.body;
-    if (rim) rim.material = material.rim;
+    body.renderOrder = bright ? 2 : 0;
+    veil.visible = bright;
+    if (bright) veil.material = material.veil;
+    if (!rim) return;
+    rim.material = material.rim;
+    rim.renderOrder = bright ? 3 : 0;
   }
 
   // -------------------------------------------------------------------------------------------------------------------
   // The camera
 
+  /** From the front and above, on the side from which the plan's moves along the ground are seen best. */
   turnHome() {
-    this.camera.position.set(0.8, -1.45, 0.85);
+    const reach = [0, 1].map((k) => this.moves.reduce((sum, {direction, apart}) => sum + Math.abs(direction[k]) * apart, 0));
+    this.camera.position.set(...(reach[0] < reach[1] ? [1.45, -0.8, 0.85] : [0.8, -1.45, 0.85]));
     this.camera.lookAt(0, 0, 0);
     this.camera.updateMatrixWorld(true);
   }
@@ -379,12 +396,13 @@ export class ShapeSpace extends Space {
     return arrow;
   }
 
-  pointArrow(from, to) {
+  /** `size` of what is shown, by which the arrow is as thick in each picture. */
+  pointArrow(from, to, size) {
     const way = to.clone().sub(from);
     const length = way.length();
     this.arrow.visible = length > 1e-9;
     if (!this.arrow.visible) return;
-    const thick = Math.min(0.011 * this.size, 0.06 * length);
+    const thick = Math.min(0.01 * size, 0.08 * length);
     const [shaft, head] = this.arrow.children;
     const tip = Math.min(6 * thick, 0.5 * length);
     shaft.scale.set(thick, length - tip, thick);
@@ -396,8 +414,8 @@ export class ShapeSpace extends Space {
   }
 
   /**
-   * Draws pictures on paper, as addresses of images, one after the other: `drawing` gets {whole, apart, step}. All have the
-   * same camera; what `shown` does not hold is left out.
+   * Draws pictures on paper, as addresses of images, between begin() and end(): the whole product, apart as far as `share` says,
+   * and a step, what it joins and nothing else. All are seen from one side.
    */
   pictures(width, height) {
     const kept = {
@@ -441,15 +459,16 @@ export class ShapeSpace extends Space {
         for (const part of move.parts) this.tint(part, 'bright');
         this.place(0, 1);
         const moved = move.direction.map((x) => x * move.out);
-        // As if the whole product were there, so that a part is as large in each picture.
-        this.look(this.fitting([...this.boxes, ...move.parts.map((part) => this.boxes[part])], [...this.boxes.map(() => [0, 0, 0]), ...move.parts.map(() => moved)]));
+        const boxes = [...there].map((part) => this.boxes[part]);
+        this.look(this.fitting([...boxes, ...move.parts.map((part) => this.boxes[part])], [...boxes.map(() => [0, 0, 0]), ...move.parts.map(() => moved)]));
         const box = around(move.parts.map((part) => this.boxes[part]));
         const middle = new Vector3(...centre(box));
         const direction = new Vector3(...move.direction);
         const reach = Math.max(...corners(box).map((point) => point.clone().sub(middle).dot(direction.clone().negate())));
         const front = middle.clone().addScaledVector(direction, -reach);
         this.trails.visible = false;
-        this.pointArrow(front.clone().addScaledVector(direction, move.out), front);
+        const shown = around(boxes);
+        this.pointArrow(front.clone().addScaledVector(direction, move.out), front, new Vector3(...shown.high).distanceTo(new Vector3(...shown.low)));
         const address = take();
         this.arrow.visible = false;
         return address;

@@ -68,9 +68,9 @@ Extent extent_of(const RawMesh& mesh) {
 /// Points at one place become one, and triangles without area go.
 void weld(RawMesh& mesh) {
   std::vector<unsigned> remap(mesh.points.size());
-  const std::size_t points = meshopt_generateVertexRemap(
-      remap.data(), mesh.corners.data(), mesh.corners.size(), mesh.points.data(),
-      mesh.points.size(), sizeof mesh.points[0]);
+  const std::size_t points =
+      meshopt_generateVertexRemap(remap.data(), mesh.corners.data(), mesh.corners.size(),
+                                  mesh.points.data(), mesh.points.size(), sizeof mesh.points[0]);
   std::vector<std::array<float, 3>> kept(points);
   meshopt_remapVertexBuffer(kept.data(), mesh.points.data(), mesh.points.size(),
                             sizeof mesh.points[0], remap.data());
@@ -92,10 +92,10 @@ void simplify(RawMesh& mesh, std::size_t triangles, double error) {
       meshopt_simplifyScale(&mesh.points[0][0], mesh.points.size(), sizeof mesh.points[0]);
   if (!(scale > 0)) return;
   std::vector<std::uint32_t> fewer(mesh.corners.size());
-  const std::size_t size = meshopt_simplify(
-      fewer.data(), mesh.corners.data(), mesh.corners.size(), &mesh.points[0][0],
-      mesh.points.size(), sizeof mesh.points[0], triangles * 3,
-      static_cast<float>(error / static_cast<double>(scale)), 0, nullptr);
+  const std::size_t size =
+      meshopt_simplify(fewer.data(), mesh.corners.data(), mesh.corners.size(), &mesh.points[0][0],
+                       mesh.points.size(), sizeof mesh.points[0], triangles * 3,
+                       static_cast<float>(error / static_cast<double>(scale)), 0, nullptr);
   if (size < 3) return;
   fewer.resize(size);
   mesh.corners = std::move(fewer);
@@ -183,14 +183,14 @@ std::vector<std::array<std::uint32_t, 2>> sharp_edges(const RawMesh& mesh,
     const std::uint32_t b = mesh.corners[first + (i + 1 - first) % 3];
     sides.push_back({{std::min(a, b), std::max(a, b)}, i / 3});
   }
-  std::ranges::sort(sides, {}, [](const Side& side) { return std::pair(side.edge, side.triangle); });
+  std::ranges::sort(sides, {},
+                    [](const Side& side) { return std::pair(side.edge, side.triangle); });
   std::vector<std::array<std::uint32_t, 2>> edges;
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
     const bool smooth =
-        end - i == 2 &&
-        dot(flat[sides[i].triangle], flat[sides[i + 1].triangle]) > kSmoothCosine;
+        end - i == 2 && dot(flat[sides[i].triangle], flat[sides[i + 1].triangle]) > kSmoothCosine;
     if (!smooth) edges.push_back(sides[i].edge);
     i = end;
   }
@@ -233,7 +233,8 @@ PageMesh shaded(const RawMesh& mesh) {
     any[corner] = entry->second;
     page.corners.push_back(entry->second);
   }
-  for (const auto& [a, b] : sharp_edges(mesh, flat)) page.lines.insert(page.lines.end(), {any[a], any[b]});
+  for (const auto& [a, b] : sharp_edges(mesh, flat))
+    page.lines.insert(page.lines.end(), {any[a], any[b]});
   // In an order that graphics cards like, and points in the order in which triangles use them.
   std::vector<std::uint32_t> ordered(page.corners.size());
   meshopt_optimizeVertexCache(ordered.data(), page.corners.data(), page.corners.size(),
@@ -255,8 +256,8 @@ PageMesh shaded(const RawMesh& mesh) {
 
 /// Whether a place keeps angles: it turns, mirrors, moves and scales alike in all directions.
 bool keeps_angles(const Transform& t) {
-  const std::array<Vector3, 3> columns = {
-      Vector3{t[0], t[1], t[2]}, Vector3{t[3], t[4], t[5]}, Vector3{t[6], t[7], t[8]}};
+  const std::array<Vector3, 3> columns = {Vector3{t[0], t[1], t[2]}, Vector3{t[3], t[4], t[5]},
+                                          Vector3{t[6], t[7], t[8]}};
   const double size = dot(columns[0], columns[0]);
   constexpr double kExact = 1e-5;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -343,7 +344,8 @@ std::string_view bytes_of(const std::vector<Element>& list) {
 
 std::size_t GlbWriter::view(std::string_view bytes, std::size_t stride) {
   bytes_.resize((bytes_.size() + 3) / 4 * 4);
-  ordered_json stated = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
+  ordered_json stated = {
+      {"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
   if (stride > 0) stated["byteStride"] = stride;
   stated["target"] = stride > 0 ? 34962 : 34963;
   views_.push_back(std::move(stated));
@@ -432,11 +434,12 @@ std::pair<std::size_t, Transform> GlbWriter::add(const PageMesh& mesh,
 
 void GlbWriter::add_node(const std::string& id, std::size_t part, std::size_t mesh,
                          const Transform& p) {
-  nodes_.push_back({{"name", id},
-                    {"mesh", mesh},
-                    {"matrix", {p[0], p[1], p[2], 0, p[3], p[4], p[5], 0, p[6], p[7], p[8], 0, p[9],
-                                p[10], p[11], 1}},
-                    {"extras", {{"part", part}}}});
+  nodes_.push_back(
+      {{"name", id},
+       {"mesh", mesh},
+       {"matrix",
+        {p[0], p[1], p[2], 0, p[3], p[4], p[5], 0, p[6], p[7], p[8], 0, p[9], p[10], p[11], 1}},
+       {"extras", {{"part", part}}}});
 }
 
 std::string GlbWriter::text() const {
@@ -501,8 +504,7 @@ PartShapes part_shapes(const Problem& problem, std::string_view glb) {
   for (const PlacedMesh& part : shapes.of_part) {
     ++times[part.mesh];
     scale[part.mesh] = std::max(scale[part.mesh], size_of(part.place));
-    for (const auto& point : shapes.meshes[part.mesh].points)
-      product.add(part.place * wide(point));
+    for (const auto& point : shapes.meshes[part.mesh].points) product.add(part.place * wide(point));
   }
   PartShapes page;
   page.triangles_read = drawn(shapes.meshes, times);

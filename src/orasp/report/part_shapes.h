@@ -10,9 +10,9 @@ namespace orasp {
 
 /// The most triangles that a file of shapes may draw, each part that repeats a mesh counted.
 inline constexpr std::size_t kMaxShapeTriangles = 20'000'000;
-/// What is left of them for a page, so that a browser draws 30 pictures a second without a graphics
-/// card of note.
-inline constexpr std::size_t kMaxPageTriangles = 200'000;
+/// What is left of them for a page: any graphics card draws that 30 times a second, and without one
+/// a core still does in a third of a second.
+inline constexpr std::size_t kMaxPageTriangles = 120'000;
 /// The largest file of shapes in a page. With the page around it, it stays below 10 MB.
 inline constexpr std::size_t kMaxPageShapeBytes = std::size_t{5} << 20U;
 

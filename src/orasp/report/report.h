@@ -29,8 +29,8 @@ struct ReportPlan {
       sequence;  ///< connection ids in the order of the problem's direction, as given
   /// Empty, or for each of them the direction that the plan states; "" for none.
   std::vector<std::string> directions{};
-  /// Where steps take parts off (StepKind::Part): what each takes, and its direction, instead of the
-  /// two above.
+  /// Where steps take parts off (StepKind::Part): what each takes, and its direction, instead of
+  /// the two above.
   std::vector<PlanStep> part_steps{};
   std::optional<double> expected;  ///< expected reward where attempts may fail, if known
   std::vector<std::string> notes;  ///< sentences
@@ -58,7 +58,7 @@ struct Report {
   std::vector<LearningPoint> learning;
   std::optional<ReportSample> sample;
   std::optional<PartShapes> shapes;  ///< the page then shows the true parts
-  std::string shapes_fault;          ///< why it does not, though the problem names a file; a sentence
+  std::string shapes_fault;  ///< why it does not, though the problem names a file; a sentence
 };
 
 /// The plan of a report, replayed by evaluate() of model/validate.h.

@@ -121,10 +121,18 @@ Transform place_of(const json& node) {
   const auto t = numbers_in<3>(node, "translation", {0, 0, 0});
   const auto [x, y, z, w] = numbers_in<4>(node, "rotation", {0, 0, 0, 1});
   const auto s = numbers_in<3>(node, "scale", {1, 1, 1});
-  return {(1 - 2 * (y * y + z * z)) * s[0], 2 * (x * y + z * w) * s[0], 2 * (x * z - y * w) * s[0],
-          2 * (x * y - z * w) * s[1], (1 - 2 * (x * x + z * z)) * s[1], 2 * (y * z + x * w) * s[1],
-          2 * (x * z + y * w) * s[2], 2 * (y * z - x * w) * s[2], (1 - 2 * (x * x + y * y)) * s[2],
-          t[0], t[1], t[2]};
+  return {(1 - 2 * (y * y + z * z)) * s[0],
+          2 * (x * y + z * w) * s[0],
+          2 * (x * z - y * w) * s[0],
+          2 * (x * y - z * w) * s[1],
+          (1 - 2 * (x * x + z * z)) * s[1],
+          2 * (y * z + x * w) * s[1],
+          2 * (x * z + y * w) * s[2],
+          2 * (y * z - x * w) * s[2],
+          (1 - 2 * (x * x + y * y)) * s[2],
+          t[0],
+          t[1],
+          t[2]};
 }
 
 /// What an accessor says of its bytes.
@@ -215,9 +223,9 @@ Numbers GlbReader::numbers(std::size_t accessor, bool indices) const {
       shape->get_ref<const std::string&>() != wanted)
     damaged("the accessor {} in it is not of type {}", accessor, wanted);
   const std::map<std::size_t, std::size_t> sizes =
-      indices
-          ? std::map<std::size_t, std::size_t>{{5121, 1}, {5123, 2}, {5125, 4}}
-          : std::map<std::size_t, std::size_t>{{5120, 1}, {5121, 1}, {5122, 2}, {5123, 2}, {5126, 4}};
+      indices ? std::map<std::size_t, std::size_t>{{5121, 1}, {5123, 2}, {5125, 4}}
+              : std::map<std::size_t, std::size_t>{
+                    {5120, 1}, {5121, 1}, {5122, 2}, {5123, 2}, {5126, 4}};
   const auto size = sizes.find(found.type);
   if (size == sizes.end())
     damaged("the accessor {} in it has numbers of type {}, which are not read", accessor,
@@ -226,8 +234,8 @@ Numbers GlbReader::numbers(std::size_t accessor, bool indices) const {
   const auto view_number = index_in(stated, "bufferView");
   if (!view_number) damaged("the accessor {} in it has no bytes", accessor);
   const json& view = object_at(list_in(root_, "bufferViews"), *view_number, "buffer view");
-  const json& buffer = object_at(list_in(root_, "buffers"),
-                                 index_in(view, "buffer").value_or(0), "buffer");
+  const json& buffer =
+      object_at(list_in(root_, "buffers"), index_in(view, "buffer").value_or(0), "buffer");
   if (buffer.contains("uri") || index_in(view, "buffer").value_or(0) != 0)
     damaged("its shapes are in another file, and one that holds all is read");
   found.stride = index_in(view, "byteStride").value_or(width);
@@ -254,22 +262,22 @@ void GlbReader::add_primitive(const json& primitive, const Transform& place, Raw
   const Numbers points = numbers(*position, false);
   const auto first = static_cast<std::uint32_t>(mesh.points.size());
   for (std::size_t i = 0; i < points.count; ++i) {
-    const Vector3 point =
-        place * Vector3{points.real(i, 0), points.real(i, 1), points.real(i, 2)};
+    const Vector3 point = place * Vector3{points.real(i, 0), points.real(i, 1), points.real(i, 2)};
     constexpr double kFarthest = 1e9;
     for (const double x : point) {
       if (!(std::abs(x) <= kFarthest))
         damaged("a point in it is not a number, or farther than 1e9 m");
     }
-    mesh.points.push_back({static_cast<float>(point[0]), static_cast<float>(point[1]),
-                           static_cast<float>(point[2])});
+    mesh.points.push_back(
+        {static_cast<float>(point[0]), static_cast<float>(point[1]), static_cast<float>(point[2])});
   }
   std::vector<std::uint32_t> corners;
   if (const auto indices = index_in(primitive, "indices")) {
     const Numbers list = numbers(*indices, true);
     for (std::size_t i = 0; i < list.count; ++i) {
       corners.push_back(list.index(i));
-      if (corners.back() >= points.count) damaged("a triangle in it has a corner that is not there");
+      if (corners.back() >= points.count)
+        damaged("a triangle in it has a corner that is not there");
     }
   } else {
     for (std::size_t i = 0; i < points.count; ++i) corners.push_back(static_cast<std::uint32_t>(i));
@@ -315,7 +323,8 @@ RawMesh GlbReader::mesh_of(const std::vector<Piece>& pieces) const {
       add_primitive(primitive, place, mesh, colours);
     }
   }
-  const auto most = std::ranges::max_element(colours, {}, [](const auto& one) { return one.second; });
+  const auto most =
+      std::ranges::max_element(colours, {}, [](const auto& one) { return one.second; });
   if (most != colours.end()) mesh.colour = most->first;
   return mesh;
 }

@@ -236,10 +236,10 @@ std::string report_page(std::string_view title, std::string_view data, bool spac
                         std::string_view shapes) {
   const std::string three_script =
       space ? "<script>" + std::string(page_file("report-3d.js")) + "</script>" : "";
-  const std::string parts =
-      shapes.empty() ? ""
-                     : "<script type=\"application/octet-stream\" id=\"shapes\">" +
-                           base64(shapes) + "</script>";
+  const std::string parts = shapes.empty()
+                                ? ""
+                                : "<script type=\"application/octet-stream\" id=\"shapes\">" +
+                                      base64(shapes) + "</script>";
   const std::string heading = escaped(title);
   const std::string_view style = page_file("report.css");
   const std::string_view script = page_file("report.js");
