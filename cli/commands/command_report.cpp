@@ -344,7 +344,8 @@ CommandWork report_command(CommandLine& line) {
   ReportOptions& options = *chosen;
   line.about(
       "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
-      "as a drawing, each plan step by step with what allows it, charts, what is proved.");
+      "as a drawing, or its true parts where the problem names their shapes, each plan step\n"
+      "by step with what allows it, an instruction book, charts, what is proved.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.positionals("[PLAN]", options.plans,
                    "plans to show, several side by side: files as for `orasp evaluate`, - for "

@@ -196,9 +196,10 @@ test('Equal parts have one name, or ids that differ in a number at the end, and 
   const parts = [
     ['nut.1', '', 0.2], ['nut.2', '', 0.2], ['nut.3', '', 0.3], ['Profile 20', '', 1], ['Profile 40', '', 1], ['Rod 1', '', 2], ['Rod 2', '', 2],
     ['a', 'plate', 1], ['b', 'plate', 1], ['7', '', 1], ['8', '', 1], ['Bearing 5 x 16 (1)', '', 3], ['Bearing 5 x 16 (2)', '', 3],
+    ['Shim 10 x 5', '', 4], ['Shim 10 x 5 2', '', 4], ['Ring 16 x 5', '', 5], ['Ring 16 x 5 2', 'Ring 16 x 5', 5],
   ];
   const texts = byKind(kindsOf({parts}), parts.map((_, part) => part)).map(kindText);
-  assert.deepEqual(texts, ['2 × nut', 'nut.3', 'Profile 20', 'Profile 40', '2 × Rod', '2 × plate', '7', '8', '2 × Bearing 5 x 16']);
+  assert.deepEqual(texts, ['2 × nut', 'nut.3', 'Profile 20', 'Profile 40', '2 × Rod', '2 × plate', '7', '8', '2 × Bearing 5 x 16', '2 × Shim 10 x 5', '2 × Ring 16 x 5']);
 });
 
 describe('The book', () => {

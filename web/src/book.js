@@ -53,9 +53,11 @@ export class Book {
     this.opener?.focus();
   }
 
-  /** What is needed, by kind: count and name. */
-  partTable(parts, label) {
-    const rows = byKind(this.kinds, parts).map(({name, parts: equal}) => h('tr', {}, h('td', {class: 'num'}, `${equal.length} ×`), h('td', {}, id(name))));
+  /** What is needed, by kind: count and name, cut after `most` kinds. */
+  partTable(parts, label, most) {
+    const all = byKind(this.kinds, parts);
+    const rows = all.slice(0, all.length > most + 1 ? most : all.length).map(({name, parts: equal}) => h('tr', {}, h('td', {class: 'num'}, `${equal.length} ×`), h('td', {}, id(name))));
+    if (rows.length < all.length) rows.push(h('tr', {}, h('td', {colspan: 2}, `and ${all.length - rows.length} more kinds`)));
     return h('table', {class: 'needed', 'aria-label': label}, h('thead', {class: 'unseen'}, h('tr', {}, h('th', {scope: 'col'}, 'Number'), h('th', {scope: 'col'}, 'Part'))), h('tbody', {}, rows));
   }
 
@@ -76,7 +78,7 @@ export class Book {
       h('h1', {}, id(this.title)),
       h('p', {class: 'lead'}, `${counted(problem.parts.length, 'part')}, ${counted(total, 'step')}`),
       h('div', {class: 'covers'}, picture('The finished product', (pictures) => pictures.whole(0)), picture('All its parts, apart', (pictures) => pictures.whole(1))),
-      h('h2', {}, 'Parts'), this.partTable(everything, 'All parts'));
+      h('h2', {}, 'Parts'), this.partTable(everything, 'All parts', Infinity));
     const replay = new Replay(problem, plan);
     const leaves = moves.map((move, i) => {
       const step = plan.steps[move.step];
@@ -96,7 +98,7 @@ export class Book {
         whatFirst,
         picture(`Step ${i + 1}: ${named} comes on${along ? ` along ${along}` : ''}; what is there already is pale`, (pictures) => pictures.step(move, rest)),
         h('div', {class: 'leaf-facts'},
-          h('div', {}, h('h3', {}, 'Parts'), this.partTable(step.moved, `Parts of step ${i + 1}`)),
+          h('div', {}, h('h3', {}, 'Parts'), this.partTable(step.moved, `Parts of step ${i + 1}`, 10)),
           h('div', {}, h('h3', {}, 'Connect'), h('ul', {}, made.slice(0, 8).map((name) => h('li', {}, id(name))), made.length > 8 ? h('li', {}, `and ${made.length - 8} more`) : null))));
     });
     this.pages = leaves.length + 1;

@@ -12,8 +12,11 @@ function stem(ident, weighed) {
 export function kindsOf(problem) {
   const byKey = new Map();
   const kinds = [];
+  // What others are called after keeps its number: "Bearing 16 x 5" where there is a "Bearing 16 x 5 2".
+  const ids = new Set(problem.parts.map(([ident]) => ident));
+  const bases = new Set(problem.parts.flatMap(([ident, name, mass]) => [name, stem(ident, mass !== 1)].filter((base) => base !== ident && ids.has(base))));
   const of = problem.parts.map(([ident, name, mass], part) => {
-    const called = name && name !== ident ? name : stem(ident, mass !== 1);
+    const called = name && name !== ident ? name : bases.has(ident) ? ident : stem(ident, mass !== 1);
     const key = JSON.stringify([called, mass === null ? null : Number(mass.toPrecision(6))]);
     if (!byKey.has(key)) {
       byKey.set(key, kinds.length);

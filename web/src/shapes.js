@@ -224,9 +224,10 @@ export class ShapeSpace extends Space {
     const at = step ? this.plan.steps.indexOf(step) : -1;
     const move = this.moves.find((one) => one.step === at) ?? null;
     const moved = new Set(step?.moved ?? []);
+    const kept = new Set([step?.split?.[0], ...(step?.rest ?? []).map(([label]) => label)]);
     this.parts.forEach((_, part) => {
       const label = replay.labels[part];
-      const alone = size.get(label) === 1 && label !== step?.split?.[0];
+      const alone = size.get(label) === 1 && !kept.has(label);
       if (moved.has(part)) this.tint(part, 'bright');
       else if (this.share > 0 || !step) this.tint(part, !step && alone && this.share === 0 && replay.removed > 0 ? 'pale' : 'own');
       else this.tint(part, alone ? 'ghost' : 'pale');

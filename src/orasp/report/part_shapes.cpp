@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -65,12 +66,20 @@ Extent extent_of(const RawMesh& mesh) {
   return extent;
 }
 
-/// Points at one place become one, and triangles without area go.
+/// Points at one place, as near as makes no difference, become one, and triangles without area go:
+/// faces that were meshed one by one then hang together.
 void weld(RawMesh& mesh) {
+  constexpr double kSamePlace = 1e-6;
+  const double grid = std::max(kSamePlace * extent_of(mesh).diagonal(), 1e-9);
+  std::vector<std::array<std::int64_t, 3>> places(mesh.points.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k)
+      places[i][k] = std::llround(static_cast<double>(mesh.points[i][k]) / grid);
+  }
   std::vector<unsigned> remap(mesh.points.size());
   const std::size_t points =
       meshopt_generateVertexRemap(remap.data(), mesh.corners.data(), mesh.corners.size(),
-                                  mesh.points.data(), mesh.points.size(), sizeof mesh.points[0]);
+                                  places.data(), places.size(), sizeof places[0]);
   std::vector<std::array<float, 3>> kept(points);
   meshopt_remapVertexBuffer(kept.data(), mesh.points.data(), mesh.points.size(),
                             sizeof mesh.points[0], remap.data());
