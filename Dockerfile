@@ -20,7 +20,7 @@ RUN ./run solve lattice --quiet && cmake --install build/release --prefix /opt/o
 # The program, with the libraries and the two programs for drawings that it uses.
 FROM debian:12
 RUN apt-get -q update \
- && apt-get -q -y install --no-install-recommends libfmt9 libmuparser2v5 graphviz gnuplot-nox \
+ && apt-get -q -y install --no-install-recommends libfmt9 libmeshoptimizer2d libmuparser2v5 graphviz gnuplot-nox \
  && rm -rf /var/lib/apt/lists/*
 COPY --from=build /opt/orasp /usr/local
 WORKDIR /work

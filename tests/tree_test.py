@@ -21,7 +21,7 @@ FOLDERS = ["src", "cli", "tests", "fuzz", "examples", "benchmarks", "tools", "cm
 SUFFIXES = {".h", ".cpp", ".py", ".sh", ".mjs", ".md", ".txt", ".cmake", ".in", ".bash", ".json", ".yml", ".1", ""}
 # Files that may name a folder beside the repository, since they skip where it is missing.
 KNOWS_SHARED = {"tests/files.h", "tests/planners/automatic_test.cpp", "tests/planners/known_values_test.cpp",
-                "tests/web/page_test.mjs", "tests/io/schema_test.py", "benchmarks/measure.py", "tests/tree_test.py"}
+                "tests/web/browser.mjs", "tests/io/schema_test.py", "benchmarks/measure.py", "tests/tree_test.py"}
 # References to a document by a number, which no page of the tree has.
 NUMBERED = re.compile(r"\b(?:[Dd]esign|[Cc]ontract|[Ss]tyle|[Rr]eference),?\s+(?:[Ss]ection\s+)?\d+\b|\b[Ss]ection\s+\d")
 

@@ -48,6 +48,7 @@ IO_INSIDE = r"src/orasp/(io|drawing|report)/(.*\.cpp|(.*/)?detail/.*)"
 THIRD_PARTY = {
     "nlohmann": rf"{IO_INSIDE}|(cli|tests|benchmarks)/.*",
     "fmt": rf"{IO_INSIDE}|src/orasp/(catalogue|method_options)\.cpp|(cli|tests|benchmarks)/.*",
+    "meshoptimizer.h": r"src/orasp/report/part_shapes\.cpp",
     "muParser.h": r"src/orasp/io/.*\.cpp",
     "sha256.h": r"src/orasp/io/.*\.cpp|tests/.*",
     "boost": r"src/orasp/(graph/graph_size|explain/alternatives)\.cpp|tests/.*",

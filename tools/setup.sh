@@ -2,7 +2,7 @@
 # Shared by ./run, ./test and .ci/run (sourced): packages, configuring, building. Needs `root`, the repository's folder.
 # Everything said here goes to standard error.
 
-run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev libmuparser-dev libboost-dev libmd-dev
+run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev libmuparser-dev libmeshoptimizer-dev libboost-dev libmd-dev
               graphviz gnuplot-nox)
 learning_packages=(libtorch-dev libopenblas0-pthread)
 mip_packages=(coinor-libcbc-dev)

@@ -97,8 +97,12 @@ ReportPlan plan_from_file(const PlanText& file, const Problem& problem, const Co
   ReportPlan plan;
   plan.label = file.label;
   plan.origin = fmt::format("Read from {}.", file.label);
-  plan.sequence = std::move(read.sequence);
-  plan.directions = std::move(read.directions);
+  if (problem.spec().action == StepKind::Part) {
+    plan.part_steps = plan_steps(problem, read);
+  } else {
+    plan.sequence = std::move(read.sequence);
+    plan.directions = std::move(read.directions);
+  }
   compare_digests(read.problem_digest, file.file, problem, context, plan.notes);
   return plan;
 }
@@ -107,6 +111,10 @@ ReportPlan plan_of_result(const Problem& problem, const Result& result) {
   ReportPlan plan;
   plan.label = result.method;
   plan.origin = fmt::format("Found by {}.", result.method);
+  if (problem.spec().action == StepKind::Part) {
+    plan.part_steps = result.steps;
+    return plan;
+  }
   for (const ConnectionIndex c : result.sequence) plan.sequence.push_back(problem.connection_id(c));
   for (const PlanStep& step : result.steps) {
     plan.directions.push_back(step.direction ? problem.direction_name(*step.direction)
@@ -153,6 +161,31 @@ std::optional<ReportSample> sample_of(const TransitionSystem& system, const Repo
       fmt::format("Rewards of {}, seed {}.", counted(drawn.rewards.size(), "random legal sequence"),
                   options.seed);
   return described(std::move(origin), std::move(drawn.rewards));
+}
+
+/// Adds the shapes of the parts, where the problem names a file of them. What is wrong with it is a
+/// warning, and is said in the page.
+void add_shapes(const Problem& problem, const std::string& problem_file, const Context& context,
+                Report& report) {
+  const auto& geometry = problem.spec().geometry;
+  if (!geometry) return;
+  const auto do_without = [&](const std::string& fault, const std::string& shown) {
+    context.warn(printable(fmt::format("geometry: {}; the report does without", fault)));
+    report.shapes_fault = fmt::format("The true parts are not shown: {}.", printable(shown));
+  };
+  const std::string name = in_quotes(shown_name(geometry->file));
+  std::string bytes;
+  try {
+    const std::filesystem::path problem_path = problem_file == "-" ? "" : problem_file;
+    bytes = read_text((problem_path.parent_path() / geometry->file).string());
+  } catch (const InputError& error) {
+    return do_without(error.what(), name + " cannot be read");
+  }
+  try {
+    report.shapes = part_shapes(problem, bytes);
+  } catch (const InputError& error) {
+    do_without(name + ": " + error.what(), name + ": " + error.what());
+  }
 }
 
 /// The figures of the problem, with the first plan that breaks no rule.
@@ -257,10 +290,12 @@ int run(const ReportOptions& options, const Context& context) {
   const std::vector<PlanText> files = read_plans(options.plans);
   for (const PlanText& file : files) require_plan_for(problem, file.text, file.file);
   if (problem.objective().of_fleet()) return report_fleet(problem, files, options, context);
-  if (problem.spec().action == StepKind::Part)
+  const bool by_part = problem.spec().action == StepKind::Part;
+  if (by_part && !options.svg.empty())
     throw InputError(
-        "report draws steps that take one connection each; with \"action\": \"part\" a step takes "
-        "several");
+        "--svg: figures are drawn of steps that take one connection each; with \"action\": "
+        "\"part\" "
+        "a step takes several; -o writes the page");
   const TransitionSystem system(problem);
   const LimitOptions limits = search_limits(options);
 
@@ -285,6 +320,7 @@ int run(const ReportOptions& options, const Context& context) {
     }
   }
   report.effort = statistics_text(report.best);
+  if (!options.output.empty()) add_shapes(problem, options.problem, context, report);
   const bool solved_here = report.plans.empty();
   if (solved_here && report.best.has_plan())
     report.plans.push_back(plan_of_result(problem, report.best));
@@ -298,9 +334,8 @@ int run(const ReportOptions& options, const Context& context) {
                               counted(figures.size(), "figure"), printable(options.svg)));
   }
   if (solved_here) return exit_code(report.best);
-  const bool valid = std::ranges::all_of(report.plans, [&](const ReportPlan& plan) {
-    return evaluate(system, std::span<const std::string>(plan.sequence), plan.directions).valid;
-  });
+  const bool valid = std::ranges::all_of(
+      report.plans, [&](const ReportPlan& plan) { return replayed(system, plan).valid; });
   return valid ? kSolved : kNoPlan;
 }
 
@@ -309,7 +344,8 @@ CommandWork report_command(CommandLine& line) {
   ReportOptions& options = *chosen;
   line.about(
       "Writes one self-contained page (HTML) about a problem and its plans: the assembly\n"
-      "as a drawing, each plan step by step with what allows it, charts, what is proved.");
+      "as a drawing, or its true parts where the problem names their shapes, each plan step\n"
+      "by step with what allows it, an instruction book, charts, what is proved.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.positionals("[PLAN]", options.plans,
                    "plans to show, several side by side: files as for `orasp evaluate`, - for "

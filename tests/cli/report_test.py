@@ -61,6 +61,52 @@ class Report(Case):
         self.assertEqual(data["plans"], [])
         self.assertEqual(len(data["best"]["conflict"]), 2)
 
+    def test_steps_that_take_parts_off_are_shown(self):
+        page = self.folder / "page.html"
+        problem = {"format": "orasp-problem/1", "action": "part", "parts": [{"id": name} for name in "abcd"],
+                   "connections": [{"parts": [a, b]} for a, b in ("ab", "bc", "cd", "ad")], "objective": {"type": "completion"}}
+        path = self.file("square.json", json.dumps(problem))
+        self.check(orasp("report", path, "-o", page), 0)
+        solved = orasp("solve", path, "--json").out
+        plan = self.data_of(page.read_text(encoding="utf-8"))["plans"][0]
+        cuts = [[problem["connections"][c]["parts"] for c in step["cut"]] for step in plan["steps"]]
+        self.assertEqual([["-".join(parts) for parts in cut] for cut in cuts], json.loads(solved)["disassembly"])
+        self.check(orasp("report", path, self.file("plan.json", solved), "-o", page), 0)
+        self.assertEqual(self.data_of(page.read_text(encoding="utf-8"))["plans"][0]["status"], "optimal")
+        wrong = self.file("wrong.json", json.dumps([["a-b", "a-d"], ["b-c"], ["c-d"], ["a-b"]]))
+        self.check(orasp("report", path, wrong, "-o", page), 10)
+        answer = orasp("report", path, "--svg", self.folder / "svg")
+        self.check_sentence(answer)
+        self.assertIn('with "action": "part" a step takes several', answer.error)
+
+    def test_without_the_file_of_shapes_the_report_is_as_before_with_a_warning(self):
+        problem = json.loads(orasp("scenarios", "3piece").out)
+        pages = {}
+        for name, content, said in [
+            (None, None, None),
+            ("missing.glb", None, r"warning: geometry: cannot read .*missing\.glb.*: No such file or directory; the report does without"),
+            (".", None, r"warning: geometry: cannot read .*: Is a directory; the report does without"),
+            ("bad.glb", "solid cube", r'warning: geometry: "bad\.glb": it is not a binary glTF file; the report does without'),
+        ]:
+            with self.subTest(name=name):
+                if content:
+                    self.file(name, content)
+                if name:
+                    problem["geometry"] = {"file": name}
+                page = self.folder / "page.html"
+                answer = orasp("report", self.file("problem.json", json.dumps(problem)), "-o", page)
+                self.check(answer, 0, **({"error": said} if said else {}))
+                data = self.data_of(page.read_text(encoding="utf-8"))
+                shapes = data.pop("shapes")
+                self.assertEqual(shapes is None, name is None)
+                if shapes:
+                    self.assertTrue(shapes["fault"].startswith("The true parts are not shown: "))
+                    self.assertNotIn(str(self.folder), shapes["fault"])
+                del data["best"]["effort"]
+                pages[name] = data
+        self.assertEqual(pages["missing.glb"], pages[None])
+        self.assertEqual(pages["bad.glb"], pages[None])
+
     def test_claims_of_a_plan_file_are_not_believed(self):
         plan = json.loads(orasp("solve", "lattice", "--method", "greedy", "--json").out)
         plan.update(status="optimal", bound=plan["reward"])

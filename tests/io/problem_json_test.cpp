@@ -241,11 +241,12 @@ TEST(ProblemJson, IgnoresNotesAndKeysOfOthers) {
 }
 
 TEST(ProblemJson, NamesAnUnknownKeyItsPlaceAndTheNearest) {
-  EXPECT_EQ(fault(with(R"("presedence": [])")),
-            "unknown key \"presedence\"; known keys are format, name, note, source, parts, "
-            "connections, precedence, "
-            "blocking, limits, base, goal, action, objective, direction, fleet; did you mean "
-            "\"precedence\"?");
+  EXPECT_EQ(
+      fault(with(R"("presedence": [])")),
+      "unknown key \"presedence\"; known keys are format, name, note, source, parts, "
+      "connections, precedence, "
+      "blocking, limits, base, goal, action, objective, direction, fleet, geometry; did you mean "
+      "\"precedence\"?");
   EXPECT_EQ(fault(with_part(R"({"id": "1", "weight": 2})")),
             "parts[0]: unknown key \"weight\"; known keys are id, name, mass, position, numbers");
   EXPECT_EQ(

@@ -112,6 +112,8 @@ HOSTILE = [
     (["objective"], {"type": "makespan"}), (["objective"], {"type": "sum", "terms": [{"type": "fleet_travel"}]}),
     (["fleet"], {}), (["fleet"], {"robots": 0}), (["fleet"], {"robots": 1.5}), (["fleet"], {"robots": 1, "depot": [0]}),
     (["fleet"], {"robots": 1, "sites": [[1, 2, 3]]}), (["fleet"], {"robots": 1, "speed": 1}),
+    (["geometry"], "pump.glb"), (["geometry"], {}), (["geometry"], []), (["geometry"], None), (["geometry"], {"file": ""}),
+    (["geometry"], {"file": 3}), (["geometry"], {"file": "a\u0000b"}), (["geometry"], {"file": "a", "files": []}),
 ]
 
 # A problem with every key that does not go with attempts that may fail, and what is changed in it.
@@ -124,7 +126,7 @@ WIDE = {
     "blocking": {"directions": ["+x", "-x"], "blocked": []},
     "limits": {"grounded": True}, "base": ["3"],
     "goal": {"free": ["1"], "removed": [], "stop": "best", "note": "n", "x-y": 1},
-    "action": "connection",
+    "action": "connection", "geometry": {"file": "wide.glb", "note": "n", "x-y": 1},
     "objective": {"type": "sum", "terms": [
         {"type": "changeover", "attribute": "tool", "cost": 2, "start": "M4", "weight": 2,
          "costs": [{"from": "M4", "to": "", "cost": 0.25, "note": "n", "x-y": 1}]},

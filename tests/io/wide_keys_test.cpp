@@ -98,6 +98,24 @@ TEST(WideKeys, EachChangesTheDigest) {
             problem_digest(problem_with({{"goal", {{"removed", {"screw 1"}}}}})));
 }
 
+TEST(WideKeys, TheFileOfShapesIsKeptAndIsNoPartOfTheDigest) {
+  const Problem plain = problem_with(json::object());
+  const Problem shown = problem_with({{"geometry", {{"file", "box.glb"}, {"note", "n"}}}});
+  EXPECT_EQ(shown.spec().geometry->file, "box.glb");
+  EXPECT_EQ(problem_digest(shown), problem_digest(plain));
+  EXPECT_EQ(parse_problem(problem_text(shown)).spec().geometry->file, "box.glb");
+  EXPECT_EQ(problem_text(plain).find("geometry"), std::string::npos);
+  EXPECT_EQ(fault({{"geometry", "box.glb"}}),
+            "geometry: expected an object, found the string \"box.glb\"");
+  EXPECT_EQ(fault({{"geometry", json::object()}}), "geometry: the key \"file\" is missing");
+  EXPECT_EQ(fault({{"geometry", {{"file", 3}}}}),
+            "geometry.file: expected a string, found the number 3");
+  EXPECT_EQ(fault({{"geometry", {{"file", ""}}}}),
+            "geometry.file: an empty name is no file; leave \"geometry\" out where there is none");
+  EXPECT_EQ(fault({{"geometry", {{"file", "a.glb"}, {"unit", "mm"}}}}),
+            "geometry: unknown key \"unit\"; known keys are file");
+}
+
 TEST(WideKeys, WrongOnesAreNamedWithTheirPlace) {
   EXPECT_EQ(fault({{"base", {"table"}}}),
             "base[0]: no part \"table\"; parts are \"bench\" to \"s2\"");

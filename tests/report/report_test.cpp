@@ -20,6 +20,7 @@
 #include "orasp/report/fleet_report.h"
 #include "tests/random_problems.h"
 #include "tests/seeds.h"
+#include "tests/wide_problems.h"
 
 namespace orasp {
 namespace {
@@ -103,6 +104,80 @@ TEST(Report, TotalsRewardsAndPiecesAreThoseOfTheReplay) {
     EXPECT_NEAR(plan["steps"][assembly ? 0 : n - 1]["total"], evaluation.reward, 1e-9);
     EXPECT_NEAR(plan["steps"][assembly ? n - 1 : 0]["back"], evaluation.reward, 1e-9);
   }
+}
+
+/// For each part the first one of its piece, where these connections are there.
+std::vector<PartIndex> firsts_of(const Problem& problem, const std::vector<bool>& there) {
+  std::vector<PartIndex> first(problem.num_parts());
+  for (PartIndex part = 0; part < problem.num_parts(); ++part) first[part] = part;
+  for (PartIndex round = 0; round < problem.num_parts(); ++round) {
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      const auto [a, b] = problem.ends(c);
+      if (there[c]) first[a] = first[b] = std::min(first[a], first[b]);
+    }
+  }
+  return first;
+}
+
+TEST(Report, StepsThatTakePartsOffSplitPiecesAsConnectionsDo) {
+  std::size_t seen = 0;
+  std::size_t fell_apart = 0;
+  for (std::uint64_t seed = 1; seed < 1 + some_of(600U); ++seed) {
+    const Problem problem(wide_random_problem(seed));
+    if (problem.spec().action != StepKind::Part) continue;
+    const TransitionSystem system(problem);
+    Report report;
+    report.best = solve(problem, "auto");
+    if (!report.best.has_plan()) continue;
+    ReportPlan plan;
+    plan.part_steps = report.best.steps;
+    report.plans = {plan};
+    const Evaluation evaluation = replayed(system, plan);
+    const Json data = Json::parse(report_data(system, report))["plans"][0];
+    EXPECT_EQ(data["status"], "optimal");
+    ASSERT_EQ(data["steps"].size(), plan.part_steps.size());
+    std::vector<bool> there(problem.num_connections(),
+                            problem.direction() == Direction::Disassembly);
+    for (const PlanStep& step : plan.part_steps) {
+      for (const ConnectionIndex c : step.connections) there[c] = true;
+    }
+    std::vector<std::size_t> labels = data["labels"];
+    for (const Json& step : data["steps"]) {
+      ++seen;
+      for (const std::size_t c : step["cut"]) there[c] = false;
+      for (const std::size_t part : step["moved"]) labels[part] = step["split"][1];
+      if (step.contains("rest")) {
+        ++fell_apart;
+        for (const Json& piece : step["rest"]) {
+          for (const std::size_t part : piece[1]) labels[part] = piece[0];
+        }
+      }
+      const std::vector<PartIndex> first = firsts_of(problem, there);
+      for (PartIndex a = 0; a < problem.num_parts(); ++a) {
+        for (PartIndex b = 0; b < a; ++b) EXPECT_EQ(labels[a] == labels[b], first[a] == first[b]);
+      }
+    }
+    EXPECT_NEAR(data["reward"].get<double>(), evaluation.reward, 1e-9);
+  }
+  EXPECT_GT(seen, 0);
+  EXPECT_TRUE(fell_apart > 0 || some_of(600U) < 600);
+}
+
+TEST(Report, ShapesStandInThePageAndWhatIsWrongWithThemInItsData) {
+  const Problem problem = load_scenario("3piece");
+  const TransitionSystem system(problem);
+  Report report = solved(system);
+  EXPECT_TRUE(Json::parse(report_data(system, report))["shapes"].is_null());
+  EXPECT_EQ(report_html(system, report).find("id=\"shapes\""), std::string::npos);
+  report.shapes = PartShapes{.glb = "glTF\xff", .triangles = 1000, .triangles_read = 20'000};
+  const std::string page = report_html(system, report);
+  EXPECT_NE(page.find("<script type=\"application/octet-stream\" id=\"shapes\">Z2xURv8=</script>"),
+            std::string::npos);
+  EXPECT_EQ(Json::parse(report_data(system, report))["shapes"]["note"],
+            "The parts are drawn with 1,000 triangles, simplified from 20,000 triangles.");
+  report.shapes.reset();
+  report.shapes_fault = "They are not there.";
+  EXPECT_EQ(Json::parse(report_data(system, report))["shapes"]["fault"], "They are not there.");
 }
 
 TEST(Report, TheDrawingHoldsHAndWhatPrecedencePrunes) {

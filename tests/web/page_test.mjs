@@ -1,93 +1,17 @@
 // The page of `orasp report` in a real Chromium, opened from a file. Screenshots go to ORASP_ARTEFACTS.
 import assert from 'node:assert/strict';
-import {spawnSync} from 'node:child_process';
-import {existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
-import {tmpdir} from 'node:os';
-import {dirname, join, resolve} from 'node:path';
+import {existsSync, readFileSync} from 'node:fs';
+import {join} from 'node:path';
 import test, {after, before, describe} from 'node:test';
-import {fileURLToPath} from 'node:url';
+import {artefacts, axeSource, close, file, open, orasp, report, root, setSlider, shared, shot, start, stop} from './browser.mjs';
 
-const root = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
-const require = createRequire(join(root, 'web/package.json'));
-const {chromium} = require('playwright-core');
-const axeSource = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
-
-const program = process.env.ORASP_PROGRAM ?? join(root, 'build/release/orasp');
-const artefacts = process.env.ORASP_ARTEFACTS ?? join(root, 'build/web-artefacts');
-const shared = process.env.ORASP_SHARED ?? join(root, '../shared');
-const folder = mkdtempSync(join(tmpdir(), 'orasp-page-'));
-mkdirSync(artefacts, {recursive: true});
+before(start);
+after(stop);
 
 const scenarios = ['3piece', '4brick', '4piece', '2x3', 'lattice', 'hubble', 'hubble-free', 'hubble-upc', 'iss', 'iss-upc', 'jwst', 'jwst-upc'];
 const lego = ['lego-007', 'lego-019', 'lego-031', 'lego-053', 'lego-099'].map((name) => join(shared, 'problems/lego', `${name}.json`)).filter(existsSync);
 const shelf = join(root, 'examples/shelf.json');
 const shelfWrong = join(root, 'examples/shelf-wrong-order.txt');
-
-function orasp(...words) {
-  const done = spawnSync(program, words, {encoding: 'utf8', maxBuffer: 64 << 20});
-  return {code: done.status, out: done.stdout, err: done.stderr};
-}
-
-/** A file in the tests' folder. */
-function file(name, text) {
-  const path = join(folder, name);
-  if (text !== undefined) writeFileSync(path, text);
-  return path;
-}
-
-let count = 0;
-/** Writes a report; returns its file, the exit code and the seconds that the whole process took. */
-function report(...words) {
-  const path = file(`report-${++count}.html`);
-  const begin = process.hrtime.bigint();
-  const {code, err} = orasp('report', ...words, '-o', path);
-  const seconds = Number(process.hrtime.bigint() - begin) / 1e9;
-  assert.ok([0, 10, 20].includes(code), err);
-  return {path, code, seconds, bytes: statSync(path).size};
-}
-
-let browser;
-before(async () => {
-  browser = await chromium.launch({
-    executablePath: process.env.ORASP_CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
-      '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  });
-});
-after(async () => {
-  await browser.close();
-  rmSync(folder, {recursive: true});
-});
-
-/** Opens a page and notes what must not happen: errors on the console, requests, dialogs. */
-async function open(path, options = {}) {
-  const page = await browser.newPage({viewport: {width: 1280, height: 900}, ...options});
-  page.faults = [];
-  page.on('console', (message) => {
-    if (message.type() === 'error') page.faults.push(`console: ${message.text()}`);
-  });
-  page.on('pageerror', (error) => page.faults.push(`error: ${error.message}`));
-  page.on('dialog', (dialog) => {
-    page.faults.push(`dialog: ${dialog.message()}`);
-    dialog.dismiss();
-  });
-  page.on('request', (request) => {
-    const url = request.url();
-    if (url !== `file://${path}` && !url.startsWith('data:') && !url.startsWith('blob:')) page.faults.push(`request: ${url}`);
-  });
-  await page.goto(`file://${path}`);
-  await page.waitForSelector('html[data-ready]');
-  return page;
-}
-
-async function close(page) {
-  const {faults} = page;
-  await page.close();
-  assert.deepEqual(faults, []);
-}
-
-const shot = (page, name, options = {}) => page.screenshot({path: join(artefacts, `${name}.png`), ...options});
 
 /** The pieces after each step of a plan, worked out anew from the problem and the plan file: sorted lists of part ids. */
 function piecesOf(problem, order) {
@@ -124,11 +48,6 @@ const shown = (page, plan = 0) => page.evaluate((at) => {
     title: document.querySelectorAll('.step-title')[at].textContent,
   };
 }, plan);
-
-const setSlider = (page, place) => page.locator('#place').evaluate((slider, value) => {
-  slider.value = String(value);
-  slider.dispatchEvent(new Event('input', {bubbles: true}));
-}, place);
 
 describe('The page', () => {
   test('opens from a file without an error or a request, for every scenario and five LEGO models, in at most 2 MB', async () => {

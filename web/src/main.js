@@ -1,9 +1,11 @@
 // The page of `orasp report`. The data stand in the page as JSON (src/orasp/io/report.cpp writes them); everything here
 // arranges and draws, and works out nothing about assemblies.
 import {AssemblyGraph, layOut} from './assembly.js';
+import {Book} from './book.js';
 import {lineChart, lineKey, violin} from './charts.js';
 import {fill, h, id} from './dom.js';
 import {column, constraintName, counted, grouped, number} from './format.js';
+import {byKind, kindText, kindsOf} from './kinds.js';
 import {Player} from './player.js';
 import {Position, Replay, cutOf, index} from './replay.js';
 import {StateGraph, stateWords} from './states.js';
@@ -12,7 +14,9 @@ import {act, cutList, movement, operationWords, partList, partName, reasonList, 
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const {problem, plans, best} = data;
-const spatial = problem.parts.length > 0 && problem.parts.every((part) => part[3]) && typeof globalThis.oraspSpace === 'function';
+const placed = problem.parts.length > 0 && problem.parts.every((part) => part[3]) && typeof globalThis.oraspSpace === 'function';
+let shapes = null;  // of the parts, once they are read
+const kinds = data.shapes?.note ? kindsOf(problem) : null;
 const several = plans.length > 1;
 const position = new Position(plans, problem.direction);
 
@@ -103,7 +107,8 @@ class PlanView {
     this.frame = h('div', {class: 'frame', role: 'img'}, this.canvas, this.space);
     this.card = h('div', {class: 'card'});
     const tool = (label, text, action) => h('button', {type: 'button', class: 'tool', 'aria-label': label, title: label, onclick: action}, text);
-    this.tools = h('div', {class: 'tools', role: 'group', 'aria-label': `Drawing${several ? ` of ${plan.label}` : ''}`},
+    this.own = h('div', {class: 'own-tools'});
+    this.tools = h('div', {class: 'tools', role: 'group', 'aria-label': `Drawing${several ? ` of ${plan.label}` : ''}`}, this.own,
       tool('Zoom in', '+', () => this.drawing.zoom(1.25)), tool('Zoom out', '−', () => this.drawing.zoom(0.8)), tool('Fit to the frame', 'Fit', () => this.drawing.fit()));
     const title = several ? h('h3', {}, id(plan.label), ' ', h('span', {class: `status ${plan.status.replace(' ', '-')}`}, plan.status)) : null;
     this.element = h('div', {class: 'plan', 'data-plan': number_}, title, h('div', {class: 'stage'}, this.tools, this.frame, printed(() => [...(this.inSpace ? [this.inSpace.picture()] : []), this.printedGraph()])), this.card);
@@ -113,7 +118,7 @@ class PlanView {
   start() {
     this.graph = new AssemblyGraph(this.canvas, problem, places);
     this.drawing = this.graph;
-    if (spatial) this.startSpace();
+    if (shapes || placed) this.startSpace();
     new ResizeObserver(() => this.drawing.resize()).observe(this.frame);
     this.update();
   }
@@ -121,7 +126,8 @@ class PlanView {
   startSpace() {
     try {
       this.space.hidden = false;
-      this.inSpace = globalThis.oraspSpace(this.space, problem, {colours, onTheme, pieceColour});
+      const theme = {colours, onTheme, pieceColour};
+      this.inSpace = shapes ? globalThis.oraspShapes.view(this.space, problem, this.plan, shapes, theme) : globalThis.oraspSpace(this.space, problem, theme);
     } catch {
       this.space.hidden = true;  // no WebGL here: the graph shows the same
       return;
@@ -129,12 +135,42 @@ class PlanView {
     const choice = (name, on) => h('button', {type: 'button', class: 'tool', 'aria-pressed': String(on), onclick: () => this.choose(name)}, name);
     this.choices = [choice('3-D', true), choice('Graph', false)];
     this.tools.prepend(...this.choices);
+    if (shapes) this.startShapes();
     this.choose('3-D');
+  }
+  /** The slider that takes the product apart, labels, and the book. */
+  startShapes() {
+    const {inSpace, plan} = this;
+    const n = inSpace.moves.length;
+    const slider = h('input', {
+      type: 'range', class: 'apart', min: 0, max: 1000, step: 1, value: 0, 'aria-label': 'Taken apart',
+      oninput: () => {
+        inSpace.explode(Number(slider.value) / 1000);
+        told();
+      },
+    });
+    const told = () => slider.setAttribute('aria-valuetext', `${inSpace.exploded[0]} of ${counted(n, 'piece')} out`);
+    told();
+    const labels = h('button', {
+      type: 'button', class: 'tool', 'aria-pressed': 'false',
+      onclick: () => {
+        inSpace.setLabels(!inSpace.labelled);
+        labels.setAttribute('aria-pressed', String(inSpace.labelled));
+      },
+    }, 'Labels');
+    this.own.append(labels);
+    if (n === 0) return;
+    this.own.append(h('label', {class: 'apart-name'}, 'Apart ', slider));
+    this.book = new Book(problem, plan, inSpace, several ? `${data.title}: ${plan.label}` : data.title);
+    const book = h('button', {type: 'button', class: 'tool', onclick: () => this.book.open(book)}, 'Book');
+    this.own.append(book);
+    document.getElementById('page').append(this.book.element);
   }
   choose(name) {
     const space = name === '3-D';
     this.canvas.hidden = space;
     this.space.hidden = !space;
+    this.own.hidden = !space;
     this.drawing = space ? this.inSpace : this.graph;
     for (const button of this.choices) button.setAttribute('aria-pressed', String((button.textContent === '3-D') === space));
     this.drawing.resize();
@@ -154,7 +190,7 @@ class PlanView {
     if (this.drawing === this.graph) this.graph.show(replay, step);
     else this.inSpace.show(replay, step, position.order);
     const [pieces, subassemblies] = plan.states[replay.removed];
-    this.frame.setAttribute('aria-label', `${spatial && this.drawing !== this.graph ? 'The assembly in space' : 'The assembly as a graph'}: ${counted(pieces, 'piece')}, ${subassemblies} of them with two or more parts. The text beside it says the same in words.`);
+    this.frame.setAttribute('aria-label', `${this.drawing === this.graph ? 'The assembly as a graph' : shapes ? 'The true parts in space' : 'The assembly in space'}: ${counted(pieces, 'piece')}, ${subassemblies} of them with two or more parts. The text beside it says the same in words.`);
     fill(this.card, this.stepCard(step), this.pieceCard(pieces, subassemblies));
   }
 
@@ -194,11 +230,13 @@ class PlanView {
 
   pieceCard(pieces, subassemblies) {
     const all = this.replay.pieces();
+    // Where shapes are known, equal parts are counted.
+    const named = (parts) => (kinds ? byKind(kinds, parts).slice(0, 15).flatMap((kind, i) => [i > 0 ? ', ' : '', i < 14 ? id(kindText(kind)) : 'and more']) : partList(problem, parts, 14));
     const big = all.filter(({parts}) => parts.length > 1);
     const single = all.filter(({parts}) => parts.length === 1).map(({parts}) => parts[0]);
-    const items = big.slice(0, 8).map(({label, parts}) => h('li', {}, h('span', {class: 'swatch', style: `background:${pieceColour(colours(), label)}`}), h('span', {}, h('b', {}, counted(parts.length, 'part')), ' ', partList(problem, parts, 14))));
+    const items = big.slice(0, 8).map(({label, parts}) => h('li', {}, h('span', {class: 'swatch', style: `background:${pieceColour(colours(), label)}`}), h('span', {}, h('b', {}, counted(parts.length, 'part')), ' ', named(parts))));
     if (big.length > 8) items.push(h('li', {}, `and ${big.length - 8} more pieces of two or more parts`));
-    if (single.length > 0) items.push(h('li', {}, h('span', {class: 'swatch single'}), h('span', {}, h('b', {}, counted(single.length, 'single part')), ' ', partList(problem, single, 14))));
+    if (single.length > 0) items.push(h('li', {}, h('span', {class: 'swatch single'}), h('span', {}, h('b', {}, counted(single.length, 'single part')), ' ', named(single))));
     return h('div', {class: 'pieces', 'data-pieces': pieces, 'data-subassemblies': subassemblies},
       h('h5', {class: 'small'}, `Pieces now: ${grouped(pieces)}`),
       h('ul', {}, items));
@@ -217,8 +255,9 @@ function stage() {
     return {element, start: () => new AssemblyGraph(canvas, problem, places).show(replay)};
   }
   const player = new Player(position, () => stepSentence(plans[0]));
+  const note = data.shapes?.fault ? h('p', {class: 'fault'}, data.shapes.fault) : null;
   const element = section('plan', several ? 'The plans, step by step' : 'The plan, step by step',
-    h('div', {class: several ? 'plans several' : 'plans'}, views.map((view) => view.element)), player.element, live);
+    h('div', {class: several ? 'plans several' : 'plans'}, views.map((view) => view.element)), note, player.element, live);
   const start = () => {
     for (const view of views) view.start();
     let last = '';
@@ -499,6 +538,7 @@ function distribution() {
 function about() {
   const paragraphs = [h('p', {}, best.sentence)];
   for (const plan of plans) paragraphs.push(h('p', {}, several ? [id(plan.label), ': '] : '', `${plan.origin} ${plan.verdict}`, plan.notes.map((note) => ` ${note}`)));
+  if (data.shapes?.note) paragraphs.push(h('p', {}, data.shapes.note));
   if (best.conflict.length > 0) paragraphs.push(h('p', {}, 'These rules allow no plan together:'), h('ul', {}, best.conflict.map((text) => h('li', {}, text))));
   const details = [
     ['Method', best.method], ['Effort', best.effort], ['Objective', problem.objective[0]], ['Digest', problem.digest], ['Source', problem.source], ['Note', problem.note],
@@ -526,8 +566,22 @@ fill(page,
   head(),
   h('main', {}, comparison(), main.element, figure('lanes'), h('div', {class: 'pair'}, figure('reward'), constraints()), figure('states'), figure('learning'), figure('distribution'), steps(), about(), parts()),
   h('footer', {}, `Written by orasp ${data.version}. This file needs no network.`));
-for (const {start} of stages) start();
-document.documentElement.dataset.ready = 'true';
+/** The shapes of the parts, which stand in the page as a file; null where there are none, or nothing to draw them. */
+async function read() {
+  const file = document.getElementById('shapes');
+  if (!file) return null;
+  try {
+    return await globalThis.oraspShapes.readShapes(file.textContent, problem.parts.length);
+  } catch {
+    return null;
+  }
+}
+
+read().then((found) => {
+  shapes = found;
+  for (const {start} of stages) start();
+  document.documentElement.dataset.ready = 'true';
+});
 
 // For tests and for the console: where the page stands.
 globalThis.orasp = {data, position, player: main.player, views, partName};

@@ -103,7 +103,7 @@ export class Player {
   }
 
   key(event) {
-    if (event.defaultPrevented || event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
+    if (document.documentElement.dataset.view || event.defaultPrevented || event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
     const {target} = event;
     if (target !== this.slider && target.matches?.('input, select, textarea, [data-scrolls]')) return;
     const actions = {

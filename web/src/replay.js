@@ -26,12 +26,14 @@ export class Replay {
       this.removed = k;
     }
     while (this.removed < k) {
-      const {moved = [], split} = this.steps[this.removed++];
+      const {moved = [], split, rest = []} = this.steps[this.removed++];
       for (const part of moved) this.labels[part] = split[1];
+      for (const [label, parts] of rest) for (const part of parts) this.labels[part] = label;
     }
     while (this.removed > k) {
-      const {moved = [], split} = this.steps[--this.removed];
+      const {moved = [], split, rest = []} = this.steps[--this.removed];
       for (const part of moved) this.labels[part] = split[0];
+      for (const [, parts] of rest) for (const part of parts) this.labels[part] = split[0];
     }
   }
 

@@ -1,19 +1,16 @@
-// The assembly in space, where parts have positions: three draws it. A script of its own, which only such reports hold.
-import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color, DirectionalLight, EdgesGeometry, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh,
-  MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
-} from 'three';
-import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
-import {CSS2DObject, CSS2DRenderer} from 'three/addons/renderers/CSS2DRenderer.js';
+// The assembly in space, as boxes where parts have positions, as it is where their shapes are known: three draws it. A script of
+// its own, which only such reports hold.
+import {BoxGeometry, BufferAttribute, BufferGeometry, Color, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, Vector3} from 'three';
+import {CSS2DObject} from 'three/addons/renderers/CSS2DRenderer.js';
+import {ShapeSpace, readShapes} from './shapes.js';
+import {Space, reducedMotion} from './space.js';
 
 const mostLabels = 60;
 
-const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
-
-class AssemblySpace {
+class AssemblySpace extends Space {
   /** `theme`: {colours, onTheme, pieceColour} of the page. */
   constructor(container, problem, theme) {
-    this.container = container;
+    super(container);
     this.theme = theme;
     this.palette = theme.colours();
     this.places = problem.parts.map((part) => new Vector3(...part[3]));
@@ -33,30 +30,9 @@ class AssemblySpace {
     this.size = Math.max(this.size, 0.035 * this.radius);
     this.radius += this.size;
 
-    this.renderer = new WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.labelRenderer = new CSS2DRenderer();
-    this.labelRenderer.domElement.className = 'space-labels';
-    this.labelRenderer.domElement.setAttribute('aria-hidden', 'true');
-    this.renderer.domElement.className = 'space-canvas';
-    this.renderer.domElement.setAttribute('aria-hidden', 'true');
-    container.append(this.renderer.domElement, this.labelRenderer.domElement);
-
-    this.scene = new Scene();
-    // z is up, as in the problem file.
-    this.camera = new PerspectiveCamera(35, 1, 0.01 * this.radius, 100 * this.radius);
-    this.camera.up.set(0, 0, 1);
+    this.camera.near = 0.01 * this.radius;
+    this.camera.far = 100 * this.radius;
     this.home();
-    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.enableZoom = false;
-    this.controls.enablePan = false;
-    this.renderer.domElement.style.touchAction = 'pan-y';
-    this.controls.addEventListener('change', () => this.draw());
-
-    this.scene.add(new HemisphereLight(0xffffff, 0xb0b0b0, 2.6));
-    const sun = new DirectionalLight(0xffffff, 1.6);
-    sun.position.set(2, -3, 4);
-    this.scene.add(sun);
 
     this.box = new BoxGeometry(this.size, this.size, this.size);
     this.rim = new EdgesGeometry(this.box);
@@ -178,11 +154,6 @@ class AssemblySpace {
     attribute.needsUpdate = true;
   }
 
-  draw() {
-    this.renderer.render(this.scene, this.camera);
-    this.labelRenderer.render(this.scene, this.camera);
-  }
-
   home() {
     this.camera.position.set(0.75, -1.5, 1).normalize().multiplyScalar(3.6 * this.radius);
     this.camera.lookAt(0, 0, 0);
@@ -191,25 +162,12 @@ class AssemblySpace {
     this.camera.position.multiplyScalar(1 / factor);
     this.draw();
   }
-  picture() {
-    this.draw();
-    return this.renderer.domElement.toDataURL();
-  }
   fit() {
     this.home();
     this.controls.update();
     this.draw();
   }
-  resize() {
-    const {clientWidth: width, clientHeight: height} = this.container;
-    if (width === 0 || height === 0) return;
-    this.camera.aspect = width / height;
-    this.camera.fov = width < height ? 35 * Math.min(1.6, height / width) : 35;
-    this.camera.updateProjectionMatrix();
-    this.renderer.setSize(width, height);
-    this.labelRenderer.setSize(width, height);
-    this.draw();
-  }
 }
 
 globalThis.oraspSpace = (container, problem, theme) => new AssemblySpace(container, problem, theme);
+globalThis.oraspShapes = {readShapes, view: (container, problem, plan, shapes, theme) => new ShapeSpace(container, problem, plan, shapes, theme)};

@@ -28,8 +28,10 @@ class Numbers {
   Numbers(const Problem& problem, std::span<const Step> steps)
       : problem_(problem), total_(steps.size()), number_(problem.num_connections()) {
     const bool assembly = problem.direction() == Direction::Assembly;
-    for (std::size_t i = 0; i < steps.size(); ++i)
-      number_[steps[i].connection] = assembly ? total_ - i : i + 1;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      for (const ConnectionIndex c : steps[i].connections)
+        number_[c] = assembly ? total_ - i : i + 1;
+    }
   }
   /// In disassembly order; empty where the plan does not handle it.
   [[nodiscard]] std::optional<std::size_t> of(ConnectionIndex c) const { return number_[c]; }
@@ -141,9 +143,8 @@ std::vector<std::vector<Ground>> grounds(const TransitionSystem& system,
   std::vector<std::vector<Ground>> all;
   all.reserve(steps.size());
   for (const Step& step : steps) {
-    const ConnectionIndex c = step.connection;
     std::vector<Ground> found;
-    add_precedence(problem, numbers, c, found);
+    for (const ConnectionIndex c : step.connections) add_precedence(problem, numbers, c, found);
     if (step.separates) {
       if (limits.max_subassemblies) {
         // Counted where the two pieces are apart: after the removal, before the joining.
@@ -174,7 +175,9 @@ std::vector<std::vector<Ground>> grounds(const TransitionSystem& system,
                                  number_text(*limits.max_moved_mass) + " kg";
         found.push_back({Constraint::MaxMovedMass, "limits.max_moved_mass", text, text});
       }
-      if (const auto free = expander.free_directions(open.view(), c); !free.empty()) {
+      const auto free = system.wide() ? step.free_directions
+                                      : expander.free_directions(open.view(), step.connection);
+      if (!free.empty()) {
         const Ways ways = ways_of(problem, free);
         const bool every = free.size() == problem.directions().size();
         found.push_back({Constraint::Blocking, "blocking",
@@ -185,7 +188,7 @@ std::vector<std::vector<Ground>> grounds(const TransitionSystem& system,
       }
     }
     all.push_back(std::move(found));
-    open.erase(c);
+    for (const ConnectionIndex c : step.connections) open.erase(c);
   }
   return all;
 }

@@ -260,10 +260,23 @@ Direction read_direction(JsonValue value, const Place& place) {
                   R"( is not a direction of planning; those are "disassembly" and "assembly")");
 }
 
+Geometry read_geometry(JsonValue value, const Place& place) {
+  constexpr auto kKeys = std::to_array<std::string_view>({"file"});
+  const Members members(value, place, kKeys);
+  Geometry geometry;
+  geometry.file = members.read_required("file", read_string);
+  const Place file(place, "file");
+  if (geometry.file.empty())
+    fail(file, "an empty name is no file; leave \"geometry\" out where there is none");
+  if (geometry.file.find('\0') != std::string::npos)
+    fail(file, "a name with a zero character is no file");
+  return geometry;
+}
+
 ProblemSpec read_spec(JsonValue root) {
   constexpr auto kKeys = std::to_array<std::string_view>(
       {"format", "name", "note", "source", "parts", "connections", "precedence", "blocking",
-       "limits", "base", "goal", "action", "objective", "direction", "fleet"});
+       "limits", "base", "goal", "action", "objective", "direction", "fleet", "geometry"});
   const Place top("");
   if (!root.is(JsonKind::Object)) fail_type(top, root, "a problem, which is an object");
   const Members members(root, top, kKeys);
@@ -296,6 +309,7 @@ ProblemSpec read_spec(JsonValue root) {
   });
   members.read("direction", spec.direction, read_direction);
   members.read("fleet", spec.fleet, read_fleet);
+  members.read("geometry", spec.geometry, read_geometry);
   return spec;
 }
 
@@ -609,6 +623,8 @@ std::string problem_text(const Problem& problem) {
   if (spec.direction != Direction::Disassembly)
     put_text("direction", direction_name(spec.direction));
   if (spec.fleet) put("fleet", detail::inline_text(fleet_json(*spec.fleet)));
+  if (spec.geometry)
+    put("geometry", detail::inline_text(ordered_json{{"file", spec.geometry->file}}));
   return text + "\n}\n";
 }
 

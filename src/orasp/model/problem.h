@@ -139,6 +139,13 @@ struct Fleet {
   std::vector<std::array<double, 2>> sites{};
 };
 
+/// Where the shapes of the parts are. Planning does not look at them; pictures do.
+struct Geometry {
+  /// A binary glTF file (.glb), beside the problem file unless the path says otherwise: a node for
+  /// each part, named by its id, in metres.
+  std::string file{};
+};
+
 enum class Direction { Disassembly, Assembly };
 
 /// What a problem file says, not yet checked. Ids are the file's own.
@@ -157,6 +164,7 @@ struct ProblemSpec {
   Objective objective = Objective::named("cubesat");
   Direction direction = Direction::Disassembly;
   std::optional<Fleet> fleet{};
+  std::optional<Geometry> geometry{};
 };
 
 /// The number of a direction. Opposite directions are neighbours: 0 +x, 1 -x, 2 +y, 3 -y, 4 +z, 5

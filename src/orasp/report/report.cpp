@@ -69,14 +69,14 @@ class Pieces {
     first_labels_ = labels_;
   }
 
-  /// Takes `moved` off its piece; returns the old label and the new one.
-  std::pair<std::size_t, std::size_t> split(const std::vector<PartIndex>& moved) {
-    const std::size_t from = labels_[moved.front()];
+  /// Takes `off` away from its piece; returns the old label and the new one.
+  std::pair<std::size_t, std::size_t> split(const std::vector<PartIndex>& off) {
+    const std::size_t from = labels_[off.front()];
     const std::size_t to = sizes_.size();
-    for (const PartIndex part : moved) labels_[part] = to;
-    sizes_[from] -= moved.size();
+    for (const PartIndex part : off) labels_[part] = to;
+    sizes_[from] -= off.size();
     if (sizes_[from] == 1) ++singles_;
-    add(moved.size());
+    add(off.size());
     return {from, to};
   }
   [[nodiscard]] std::size_t count() const { return sizes_.size(); }
@@ -139,15 +139,24 @@ ordered_json ground_json(const Ground& ground) {
   return entry;
 }
 
+bool by_part(const Problem& problem) {
+  return problem.spec().action == StepKind::Part;
+}
+
+/// Whether a step that was replayed is the one that the plan has at this place.
+bool is_given(const Problem& problem, const ReportPlan& plan, std::size_t place, const Step& step) {
+  return by_part(problem) ? plan.part_steps[place].connections == step.connections
+                          : plan.sequence[place] == problem.connection_id(step.connection);
+}
+
 /// Messages of the rules that a step breaks, by its place in evaluation.steps.
 std::vector<std::vector<std::pair<std::string, std::string>>> broken_rules(
     const Problem& problem, const ReportPlan& plan, const Evaluation& evaluation) {
   std::vector<std::vector<std::pair<std::string, std::string>>> broken(evaluation.steps.size());
-  std::vector<std::size_t> made(plan.sequence.size(), evaluation.steps.size());
-  for (std::size_t given = 0, step = 0;
-       given < plan.sequence.size() && step < evaluation.steps.size(); ++given) {
-    if (problem.connection_id(evaluation.steps[step].connection) == plan.sequence[given])
-      made[given] = step++;
+  const std::size_t length = by_part(problem) ? plan.part_steps.size() : plan.sequence.size();
+  std::vector<std::size_t> made(length, evaluation.steps.size());
+  for (std::size_t given = 0, step = 0; given < length && step < evaluation.steps.size(); ++given) {
+    if (is_given(problem, plan, given, evaluation.steps[step])) made[given] = step++;
   }
   for (const StepViolation& found : evaluation.violations) {
     if (found.step == 0 || found.step > made.size()) continue;
@@ -159,21 +168,35 @@ std::vector<std::vector<std::pair<std::string, std::string>>> broken_rules(
   return broken;
 }
 
+/// The pieces that `rest` falls into where these connections are there, the first part's first.
+std::vector<std::vector<PartIndex>> pieces_of(const Problem& problem,
+                                              const std::vector<PartIndex>& rest,
+                                              const ConnectionSet& present) {
+  const Pieces pieces(problem, present);
+  std::map<std::size_t, std::vector<PartIndex>> by_label;
+  for (const PartIndex part : rest) by_label[pieces.first_labels()[part]].push_back(part);
+  std::vector<std::vector<PartIndex>> found;
+  for (auto& [label, parts] : by_label) found.push_back(std::move(parts));
+  return found;
+}
+
 /// Steps are written in disassembly order, whatever the problem's direction: a removal splits a
 /// piece, and the opposite order undoes that.
 ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, const Result& best) {
   const Problem& problem = system.problem();
   const bool assembly = problem.direction() == Direction::Assembly;
-  const Evaluation evaluation =
-      evaluate(system, std::span<const std::string>(plan.sequence), plan.directions);
+  const Evaluation evaluation = replayed(system, plan);
   const std::vector<Step>& steps = evaluation.steps;
   const std::vector<std::vector<Ground>> why = grounds(system, steps);
   const auto broken = broken_rules(problem, plan, evaluation);
   const std::size_t n = steps.size();
 
   ConnectionSet open = system.start();
-  for (const Step& step : steps) open.erase(step.connection);
-  Pieces pieces(problem, system.present(assembly ? open.view() : system.start().view()));
+  for (const Step& step : steps) {
+    for (const ConnectionIndex c : step.connections) open.erase(c);
+  }
+  ConnectionSet present = system.present(assembly ? open.view() : system.start().view());
+  Pieces pieces(problem, present);
   ordered_json labels = pieces.first_labels();
   ordered_json states = ordered_json::array();
   const auto note_state = [&] { states.push_back({pieces.count(), pieces.subassemblies()}); };
@@ -188,7 +211,9 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = assembly ? n - 1 - k : k;
     const Step& step = steps[i];
-    ordered_json entry = {{"c", step.connection},
+    for (const ConnectionIndex c : step.connections) present.erase(c);
+    ordered_json entry = {by_part(problem) ? ordered_json{"cut", step.connections}
+                                           : ordered_json{"c", step.connection},
                           {"reward", number_or_null(step.reward)},
                           {"total", number_or_null(total[i])},
                           {"back", number_or_null(rest[i])}};
@@ -198,6 +223,12 @@ ordered_json plan_json(const TransitionSystem& system, const ReportPlan& plan, c
       const auto [from, to] = pieces.split(off);
       entry["split"] = {from, to};
       entry["moved"] = off;
+      if (by_part(problem)) {
+        // What is left may fall apart: its first piece keeps the label, the others get new ones.
+        const auto left = pieces_of(problem, step.kept(), present);
+        for (std::size_t piece = 1; piece < left.size(); ++piece)
+          entry["rest"].push_back({pieces.split(left[piece]).second, left[piece]});
+      }
       if (step.direction) {
         entry["way"] = {problem.direction_name(*step.direction),
                         problem.direction_name(opposite(*step.direction)),
@@ -421,6 +452,16 @@ ordered_json sample_json(const std::optional<ReportSample>& sample) {
           {"density", density_json(*sample)}};
 }
 
+ordered_json shapes_json(const Report& report) {
+  if (!report.shapes_fault.empty()) return {{"fault", report.shapes_fault}};
+  if (!report.shapes) return nullptr;
+  const PartShapes& shapes = *report.shapes;
+  std::string note = "The parts are drawn with " + counted(shapes.triangles, "triangle");
+  if (shapes.triangles < shapes.triangles_read)
+    note += ", simplified from " + counted(shapes.triangles_read, "triangle");
+  return {{"note", note + "."}};
+}
+
 // -------------------------------------------------------------------------------------------------
 // What is proved, in words
 
@@ -445,6 +486,12 @@ ordered_json best_json(const Problem& problem, const Report& report) {
 
 }  // namespace
 
+Evaluation replayed(const TransitionSystem& system, const ReportPlan& plan) {
+  if (by_part(system.problem()))
+    return evaluate(system, std::span<const PlanStep>(plan.part_steps));
+  return evaluate(system, std::span<const std::string>(plan.sequence), plan.directions);
+}
+
 std::string report_data(const TransitionSystem& system, const Report& report) {
   const Problem& problem = system.problem();
   ordered_json plans = ordered_json::array();
@@ -457,13 +504,15 @@ std::string report_data(const TransitionSystem& system, const Report& report) {
                                  {"plans", std::move(plans)},
                                  {"graph", graph_json(system, report)},
                                  {"learning", learning_json(report.learning)},
-                                 {"sample", sample_json(report.sample)}};
+                                 {"sample", sample_json(report.sample)},
+                                 {"shapes", shapes_json(report)}};
   return detail::script_text(document);
 }
 
 std::string report_html(const TransitionSystem& system, const Report& report) {
   return detail::report_page(report.title, report_data(system, report),
-                             detail::has_positions(system.problem()));
+                             report.shapes || detail::has_positions(system.problem()),
+                             report.shapes ? std::string_view(report.shapes->glb) : "");
 }
 
 void write_report(std::ostream& out, const TransitionSystem& system, const Report& report) {

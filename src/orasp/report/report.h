@@ -9,11 +9,13 @@
 
 #include "orasp/io/run_records.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/model/validate.h"
+#include "orasp/report/part_shapes.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
 
-/// The largest page that is written.
+/// The largest page that is written, the shapes of the parts apart.
 inline constexpr std::size_t kMaxReportBytes = std::size_t{2} << 20U;
 /// The largest H that the page draws.
 inline constexpr std::size_t kMaxReportStates = 400;
@@ -27,6 +29,9 @@ struct ReportPlan {
       sequence;  ///< connection ids in the order of the problem's direction, as given
   /// Empty, or for each of them the direction that the plan states; "" for none.
   std::vector<std::string> directions{};
+  /// Where steps take parts off (StepKind::Part): what each takes, and its direction, instead of
+  /// the two above.
+  std::vector<PlanStep> part_steps{};
   std::optional<double> expected;  ///< expected reward where attempts may fail, if known
   std::vector<std::string> notes;  ///< sentences
 };
@@ -52,7 +57,12 @@ struct Report {
   std::vector<std::string> conflict;  ///< why there is no plan, a sentence each
   std::vector<LearningPoint> learning;
   std::optional<ReportSample> sample;
+  std::optional<PartShapes> shapes;  ///< the page then shows the true parts
+  std::string shapes_fault;  ///< why it does not, though the problem names a file; a sentence
 };
+
+/// The plan of a report, replayed by evaluate() of model/validate.h.
+[[nodiscard]] Evaluation replayed(const TransitionSystem& system, const ReportPlan& plan);
 
 /// The report as JSON, the data of the page: the problem, each plan replayed by evaluate() with the
 /// grounds of each step, H where it has at most kMaxReportStates states and kMaxReportActions

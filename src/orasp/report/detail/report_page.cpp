@@ -123,6 +123,22 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
+/// RFC 4648.
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      word = word << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63U] : '=';
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string page_number(double number) {
@@ -216,16 +232,22 @@ std::string script_text(const ordered_json& document) {
   return text;
 }
 
-std::string report_page(std::string_view title, std::string_view data, bool space) {
+std::string report_page(std::string_view title, std::string_view data, bool space,
+                        std::string_view shapes) {
   const std::string three_script =
       space ? "<script>" + std::string(page_file("report-3d.js")) + "</script>" : "";
+  const std::string parts = shapes.empty()
+                                ? ""
+                                : "<script type=\"application/octet-stream\" id=\"shapes\">" +
+                                      base64(shapes) + "</script>";
   const std::string heading = escaped(title);
   const std::string_view style = page_file("report.css");
   const std::string_view script = page_file("report.js");
-  const std::array<std::pair<std::string_view, std::string_view>, 5> places = {{
+  const std::array<std::pair<std::string_view, std::string_view>, 6> places = {{
       {"<!--orasp:title-->", heading},
       {"/*orasp:style*/", style},
       {"<!--orasp:data-->", data},
+      {"<!--orasp:shapes-->", parts},
       {"<!--orasp:3d-->", three_script},
       {"/*orasp:script*/", script},
   }};
@@ -238,12 +260,13 @@ std::string report_page(std::string_view title, std::string_view data, bool spac
     page.remove_prefix(at + mark.size());
   }
   html += page;
-  if (html.size() > kMaxReportBytes) {
+  const std::size_t size = html.size() - parts.size();
+  if (size > kMaxReportBytes) {
     throw InputError(fmt::format(
         "the report would take {:.1f} MB and may take {:.1f}: the problem is too large, or there "
         "are "
         "too many plans",
-        static_cast<double>(html.size()) / 1e6, static_cast<double>(kMaxReportBytes) / 1e6));
+        static_cast<double>(size) / 1e6, static_cast<double>(kMaxReportBytes) / 1e6));
   }
   return html;
 }

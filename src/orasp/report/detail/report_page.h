@@ -40,8 +40,10 @@ namespace orasp::detail {
 /// UTF-8 become U+FFFD.
 [[nodiscard]] std::string script_text(const nlohmann::ordered_json& document);
 
-/// The page with these data; `space`: with what draws in space. @throws InputError if it is larger
-/// than kMaxReportBytes.
-[[nodiscard]] std::string report_page(std::string_view title, std::string_view data, bool space);
+/// The page with these data; `space`: with what draws in space; `shapes`: the binary glTF file of
+/// the parts, or nothing. @throws InputError if it is larger than kMaxReportBytes, the shapes
+/// apart.
+[[nodiscard]] std::string report_page(std::string_view title, std::string_view data, bool space,
+                                      std::string_view shapes = {});
 
 }  // namespace orasp::detail
