@@ -72,6 +72,12 @@ def method_lists(help_text):
     return f"* one robot: {names('Methods')}\n* several robots: {names('Methods for fleets')}\n"
 
 
+def names_below(title, text):
+    """First words of the lines indented by two below a title, to the next empty line."""
+    block = text.split(f"\n{title}\n", 1)[1].split("\n\n", 1)[0]
+    return re.findall(r"^  (\S+)", block, re.MULTILINE)
+
+
 def refreshed_page(text, helps):
     """docs/cli.md with its tables written anew; `helps`: the help of each command, by name."""
     shared = options_of(helps["solve"])

@@ -36,22 +36,16 @@ def orasp(*arguments, text=None):
     return done.returncode, done.stdout, done.stderr
 
 
-def names_below(title, text):
-    """First words of the lines indented by two below a title, to the next empty line."""
-    block = text.split(f"\n{title}\n", 1)[1].split("\n\n", 1)[0]
-    return re.findall(r"^  (\S+)", block, re.MULTILINE)
-
-
 def commands():
-    return names_below("Commands:", orasp("--help")[1])
+    return docs_options.names_below("Commands:", orasp("--help")[1])
 
 
 def methods():
-    return names_below("Methods:", orasp("solve", "--help")[1])
+    return docs_options.names_below("Methods:", orasp("solve", "--help")[1])
 
 
 def fleet_methods():
-    return names_below("Methods for fleets:", orasp("solve", "--help")[1])
+    return docs_options.names_below("Methods for fleets:", orasp("solve", "--help")[1])
 
 
 def objectives():

@@ -13,15 +13,16 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.h"
 #include "orasp/geometry/blocking.h"
 #include "orasp/model/random.h"
-#include "seeds.h"
+#include "tests/geometry/shapes.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
 
 using shapes::Point2;
+using shapes::six_axes;
 
 constexpr double kTolerance = 0.1;
 
@@ -214,12 +215,6 @@ std::vector<Solid> random_solids(std::uint64_t seed) {
     }
   }
   return solids;
-}
-
-const std::vector<Vector3>& six_axes() {
-  static const std::vector<Vector3> kAxes = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
-                                             {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
-  return kAxes;
 }
 
 using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;  // direction, part, by

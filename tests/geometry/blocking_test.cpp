@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/made_cases.h"
-#include "seeds.h"
+#include "tests/geometry/made_cases.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -19,12 +19,7 @@ namespace {
 using shapes::block;
 using shapes::MadeCase;
 using shapes::part;
-
-const std::vector<Vector3>& six_axes() {
-  static const std::vector<Vector3> kAxes = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
-                                             {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
-  return kAxes;
-}
+using shapes::six_axes;
 
 GeometrySettings with_tolerance(double tolerance, unsigned threads = 1) {
   GeometrySettings settings;

@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/made_cases.h"
 #include "orasp/geometry/detail/part_names.h"
 #include "orasp/geometry/detail/triangle_tree.h"
 #include "orasp/model/random.h"
-#include "seeds.h"
+#include "tests/geometry/made_cases.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {

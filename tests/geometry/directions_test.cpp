@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/made_cases.h"
 #include "orasp/geometry/blocking.h"
+#include "tests/geometry/made_cases.h"
 
 namespace orasp {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/shapes.h"
+#include "tests/geometry/shapes.h"
 
 namespace orasp::shapes {
 

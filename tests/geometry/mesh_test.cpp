@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shapes.h"
+#include "tests/geometry/shapes.h"
 
 namespace orasp {
 namespace {

@@ -170,6 +170,13 @@ template <class Move>
   return {p[0] * c - y * s, p[0] * s + y * c, p[1] * s + p[2] * c};
 }
 
+/// +x, -x, +y, -y, +z, -z.
+[[nodiscard]] inline const std::vector<Vector3>& six_axes() {
+  static const std::vector<Vector3> kAxes = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                             {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+  return kAxes;
+}
+
 [[nodiscard]] inline CadPart part(Mesh mesh, std::string name = "") {
   CadPart made;
   made.name = std::move(name);

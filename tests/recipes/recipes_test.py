@@ -110,8 +110,7 @@ class Tree:
         """docs/cli.md and docs/orasp.1 as `tests/docs_test.py --update` would write them."""
         sys.path.insert(0, str(self.root / "tests"))
         import docs_options
-        names = ["solve", "graph", "evaluate", "explain", "replan", "compare", "sample", "simulate", "train", "report",
-                 "paper", "scenarios", "completion"]
+        names = docs_options.names_below("Commands:", self.run("--help")[1])
         helps = {name: self.run(name, "--help")[1] for name in names}
         read = lambda name: (self.root / name).read_text(encoding="utf-8")
         return (docs_options.refreshed_page(read("docs/cli.md"), helps),

@@ -81,8 +81,8 @@ bool one_inside_other(const PartShape& a, const PartShape& b) {
   return inside(a, b) || inside(b, a);
 }
 
-// In tolerances: a peg with more play beside it fits no hole. A trace above a half, for drawings like
-// a play of exactly that.
+// In tolerances: a peg with more play beside it fits no hole. A trace above a half, for drawings
+// like a play of exactly that.
 constexpr double kPlay = 0.5 * (1 + 1e-6);
 
 // A hole and a peg about one axis, of one radius: by what the drawing says of the faces.

@@ -120,10 +120,11 @@ struct Cone {
   }
 };
 
-// What one contact suggests: of the directions of the two parts' faces, and of the rays where two of
-// the contact's planes meet, those that its cone holds. Between two faces that look at one another,
-// as in a slot, the cone is flat and may have no such ray but the slot's length: the directions
-// across that, and those in which the parts' other faces cut the slot, are offered as well.
+// What one contact suggests: of the directions of the two parts' faces, and of the rays where two
+// of the contact's planes meet, those that its cone holds. Between two faces that look at one
+// another, as in a slot, the cone is flat and may have no such ray but the slot's length: the
+// directions across that, and those in which the parts' other faces cut the slot, are offered as
+// well.
 std::vector<Candidate> suggested_by(const Cone& cone, const std::vector<Candidate>& faces_a,
                                     const std::vector<Candidate>& faces_b) {
   std::vector<Candidate> found;

@@ -143,9 +143,18 @@ GraphEstimate sampled(const TransitionSystem& system) {
 /// Where states and steps are wide nothing is known from the connections alone: a part of H is
 /// built. An H that is larger is taken to be as large as there are subsets of its connections, for
 /// each context that was met.
-GraphEstimate looked_at(const TransitionSystem& system) {
+GraphEstimate looked_at(const TransitionSystem& system, const Budget& limits) {
   constexpr std::uint64_t kMostStates = 100'000;
-  const StateGraph graph = WideGraphBuilder(system, {}).build(kMostStates);
+  Budget budget;
+  budget.deadline = limits.deadline;
+  budget.stop = limits.stop;
+  // An expansion looks at the moves of each part, and for each at all parts and connections; and
+  // the more parts, the less likely that H is small.
+  const auto parts = static_cast<double>(system.problem().num_parts());
+  const double work = parts * parts * (parts + static_cast<double>(system.num_connections()));
+  const auto most = static_cast<std::uint64_t>(
+      std::clamp(1.5e9 / (work + 1), 1000.0, static_cast<double>(kMostStates)));
+  const StateGraph graph = WideGraphBuilder(system, budget).build(most);
   if (graph.stop() == Stop::None) {
     return {static_cast<double>(graph.num_states()), static_cast<double>(graph.num_actions()),
             static_cast<double>(graph.peak_bytes()), true};
@@ -195,8 +204,8 @@ bool unconstrained(const TransitionSystem& system) {
          !system.ordered() && !system.wide();
 }
 
-GraphEstimate estimate_graph(const TransitionSystem& system) {
-  if (system.wide()) return looked_at(system);
+GraphEstimate estimate_graph(const TransitionSystem& system, const Budget& limits) {
+  if (system.wide()) return looked_at(system, limits);
   return unconstrained(system) ? estimate_without_constraints(system) : sampled(system);
 }
 

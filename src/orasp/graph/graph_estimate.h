@@ -25,7 +25,10 @@ struct GraphEstimate {
 ///             sampled states of layer k + 1: both count the actions between the two layers.
 /// Guarantee.  Exact without constraints; the same numbers in every run. Elsewhere they may be off
 ///             by a factor of two or so.
-[[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system);
+/// Wide.       Where there is more to steps (TransitionSystem::wide) a part of H is built, as much
+///             as takes about a second; the deadline and the stop of `limits` end that sooner.
+[[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system,
+                                           const Budget& limits = {});
 
 /// Whether the problem states no constraint, so that every subset of the connections is a state.
 [[nodiscard]] bool unconstrained(const TransitionSystem& system);

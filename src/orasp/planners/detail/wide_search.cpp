@@ -619,7 +619,7 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
       return answer(std::move(found), "a-star, since few states promise enough");
     if (found.bound) most = *found.bound;
   }
-  const GraphEstimate estimate = estimate_graph(system);
+  const GraphEstimate estimate = estimate_graph(system, budget);
   if ((estimate.exact && estimate.bytes <= static_cast<double>(allowed_bytes(budget))) || !bounded)
     return answer(value_iteration(system, {}, budget),
                   bounded ? "value-iteration, since the state-action graph is small"
