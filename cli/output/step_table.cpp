@@ -11,6 +11,8 @@ namespace orasp::cli {
 namespace {
 
 constexpr std::size_t kLeastPieceWidth = 20;
+/// What a step takes is shortened beyond this width.
+constexpr std::size_t kMostTakenWidth = 60;
 
 std::string moved_piece(const Problem& problem, const Step& step, std::size_t width) {
   if (!step.separates) return "-";
@@ -35,6 +37,18 @@ std::string connections_text(const Problem& problem, const Step& step) {
   return text;
 }
 
+namespace {
+
+/// The same for a column: the first, and how many more.
+std::string taken_in_short(const Problem& problem, const Step& step) {
+  std::string text = connections_text(problem, step);
+  if (step.connections.size() < 2 || display_width(text) <= kMostTakenWidth) return text;
+  return fmt::format("{} + {} more", problem.connection_id(step.connections.front()),
+                     step.connections.size() - 1);
+}
+
+}  // namespace
+
 std::string step_table(const Problem& problem, std::span<const Step> steps,
                        const Context& context) {
   std::vector<double> rewards;
@@ -45,7 +59,7 @@ std::string step_table(const Problem& problem, std::span<const Step> steps,
     total += step.reward;
     rewards.push_back(step.reward);
     totals.push_back(total);
-    id_width = std::max(id_width, display_width(connections_text(problem, step)));
+    id_width = std::max(id_width, display_width(taken_in_short(problem, step)));
   }
   const std::vector<std::string> reward_texts = aligned_numbers(rewards);
   const std::vector<std::string> total_texts = aligned_numbers(totals);
@@ -78,7 +92,7 @@ std::string step_table(const Problem& problem, std::span<const Step> steps,
   table.add_column("reward", TextTable::Align::Right);
   table.add_column("total", TextTable::Align::Right);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    std::vector<std::string> row = {fmt::to_string(i + 1), connections_text(problem, steps[i]),
+    std::vector<std::string> row = {fmt::to_string(i + 1), taken_in_short(problem, steps[i]),
                                     moved_piece(problem, steps[i], piece_width)};
     if (directed) row.push_back(directions[i]);
     row.push_back(reward_texts[i]);

@@ -287,6 +287,30 @@ void Expander::Scratch::write_successor() {
   }
 }
 
+// Whether some direction is free in which these parts leave all that is marked.
+bool Expander::Scratch::leaves_somewhere(std::span<const PartIndex> moved,
+                                         std::span<const unsigned char> marked) {
+  const auto all = problem.direction_bits();
+  free_bits.assign(all.begin(), all.end());
+  bool some = true;
+  for (const PartIndex part : moved) {
+    for (const Blocker& blocker : problem.blockers()[part]) {
+      if (marked[blocker.by] == 0) continue;
+      some = problem.take_out(blocker, free_bits);
+      if (!some) return false;
+    }
+  }
+  return some;
+}
+
+std::size_t Expander::Scratch::subassemblies_of(SetView there) const {
+  std::size_t number = 0;
+  rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
+    if (piece.size() >= 2) ++number;
+  });
+  return number;
+}
+
 // Takes a connected set of parts off its piece: all such sets of all pieces.
 void Expander::Scratch::part_moves(SetView open) {
   const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
@@ -303,6 +327,7 @@ void Expander::Scratch::part_moves(SetView open) {
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
   std::vector<unsigned char> in_rest(parts, 0);
+  subassemblies_now = subassemblies_of(there);
   rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
     if (piece.size() < 2) return;
     const std::size_t most = std::min(piece.size() - 1, rules.max_moved_parts);
@@ -320,9 +345,14 @@ void Expander::Scratch::part_moves(SetView open) {
       }
     }
     const auto visit = [&](std::span<const PartIndex> moved) {
-      // The pieces that the rest falls into.
       for (const PartIndex part : piece) in_rest[part] = 1;
       for (const PartIndex part : moved) in_rest[part] = 0;
+      // Most sets that cannot move are found out before the rest is looked at.
+      if (rules.blocking && !leaves_somewhere(moved, in_rest)) {
+        for (const PartIndex part : piece) in_rest[part] = 0;
+        return;
+      }
+      // The pieces that the rest falls into.
       std::vector<std::vector<PartIndex>> rest;
       for (const PartIndex root : piece) {
         if (in_rest[root] == 0) continue;
@@ -348,6 +378,7 @@ void Expander::Scratch::making_part_moves(SetView open) {
   const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
   std::vector<std::vector<PartIndex>> all;
   std::vector<std::size_t> piece_of(problem.num_parts(), 0);
+  subassemblies_now = subassemblies_of(there);
   rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
     for (const PartIndex part : piece) piece_of[part] = all.size();
     all.emplace_back(piece.begin(), piece.end());
@@ -428,10 +459,7 @@ void Expander::Scratch::offer_part(SetView open, std::span<const PartIndex> move
   std::ranges::sort(between);
   // Subassemblies where the pieces are apart.
   const SetView before = present(open);
-  std::size_t now = 0;
-  rules.graph.for_each_piece(before, [&](std::span<const PartIndex> piece) {
-    if (piece.size() >= 2) ++now;
-  });
+  const std::size_t now = subassemblies_now;
   std::size_t of_pieces = fill_a.size() >= 2 ? 1 : 0;
   rest_sizes.clear();
   for (const std::vector<PartIndex>& piece : rest) {

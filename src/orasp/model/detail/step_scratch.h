@@ -85,7 +85,11 @@ struct Expander::Scratch {
   [[nodiscard]] std::span<const Action> wide_actions(SetView state);
   void connection_moves(SetView open);
   void part_moves(SetView open);
+  [[nodiscard]] bool leaves_somewhere(std::span<const PartIndex> moved,
+                                      std::span<const unsigned char> marked);
+  [[nodiscard]] std::size_t subassemblies_of(SetView there) const;
   void making_part_moves(SetView open);
+  std::size_t subassemblies_now = 0;  ///< pieces of two or more parts before the moves listed
   void offer_part(SetView open, std::span<const PartIndex> moved,
                   std::span<const std::vector<PartIndex>> rest);
   void offer_move(SetView open, detail::StepFacts& facts, const detail::Movement& movement,
