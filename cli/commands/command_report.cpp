@@ -177,7 +177,12 @@ void add_shapes(const Problem& problem, const std::string& problem_file, const C
   std::string bytes;
   try {
     const std::filesystem::path problem_path = problem_file == "-" ? "" : problem_file;
-    bytes = read_text((problem_path.parent_path() / geometry->file).string());
+    const std::filesystem::path path = problem_path.parent_path() / geometry->file;
+    // Pipes and devices may never end, and "-" is standard input.
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error))
+      return do_without(in_quotes(path.string()) + " is no file", name + " is no file");
+    bytes = read_text(path == "-" ? "./-" : path.string());
   } catch (const InputError& error) {
     return do_without(error.what(), name + " cannot be read");
   }

@@ -190,7 +190,7 @@ TEST(FindContacts, IsTheSameForAnyNumberOfThreads) {
     parts.push_back(part(shapes::shifted(shapes::cylinder(3, 0, 4, 20), at)));
   }
   const auto one = contacts_of(parts, 0.1, 1);
-  ASSERT_GT(one.size(), 5U);
+  ASSERT_GE(one.size(), 4U);  // of the few that a sanitizer looks at too
   for (const unsigned threads : {2U, 5U}) {
     const auto more = contacts_of(parts, 0.1, threads);
     ASSERT_EQ(more.size(), one.size());

@@ -49,6 +49,19 @@ TEST(TakeApart, TwoHalvesThatHoldEachOtherLeaveTogether) {
   EXPECT_TRUE(apart.stuck.empty());
 }
 
+TEST(TakeApart, TellsWhereWhatMovesDoesNotHangTogether) {
+  // Two hooks in slots of a fixed plate, which they leave along 0 alone. They hold each other with
+  // play, so nothing joins them but the plate.
+  const Facts facts = {{0, 1, 0}, {1, 0, 0}, {0, 2, 1}, {1, 2, 1},
+                       {0, 2, 2}, {0, 2, 3}, {1, 2, 2}, {1, 2, 3}};
+  const TakenApart apart = take_apart(3, 4, facts, Pairs{{0, 2}, {1, 2}}, {false, false, true});
+  EXPECT_EQ(apart.moved, 2U);
+  EXPECT_FALSE(apart.hangs_together);
+  EXPECT_TRUE(apart.stuck.empty());
+  EXPECT_TRUE(
+      take_apart(3, 4, facts, Pairs{{0, 1}, {0, 2}, {1, 2}}, {false, false, true}).hangs_together);
+}
+
 TEST(TakeApart, APartOfTheBaseStaysAndTheOtherSideMoves) {
   // Along 0 part 1 is blocked by part 0, so 0 leaves along 0 or 1 along 1. With 0 fixed 1 moves.
   const Facts facts = {{1, 0, 0}};

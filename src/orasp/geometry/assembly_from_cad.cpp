@@ -218,6 +218,7 @@ void find_order(ImportedAssembly& assembly, const ImportSettings& settings) {
   detail::TakenApart apart = detail::take_apart(assembly.parts.size(), structure.directions,
                                                 structure.blocked, structure.joined, fixed);
   assembly.moved = apart.moved;
+  assembly.moved_hang_together = apart.hangs_together;
   assembly.stuck = std::move(apart.stuck);
   assembly.problem.limits.grounded = settings.action == StepKind::Part && assembly.moved == 1 &&
                                      !assembly.base.empty() && is_grounded(assembly, structure);
@@ -244,8 +245,10 @@ void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
   add_blocking(assembly);
   for (const std::uint32_t part : assembly.base) problem.base.push_back(assembly.parts[part].id);
   problem.action = settings.action;
-  // Subassemblies that need not move at once are not tried: they are many.
-  if (settings.action == StepKind::Part) problem.limits.max_moved_parts = assembly.moved;
+  // Subassemblies that need not move at once are not tried: they are many. Where parts that do not
+  // touch must move at once nothing is known of how many go with them.
+  if (settings.action == StepKind::Part && assembly.moved_hang_together)
+    problem.limits.max_moved_parts = assembly.moved;
   problem.objective = Objective::named("time");
 }
 

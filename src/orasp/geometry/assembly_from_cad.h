@@ -80,6 +80,7 @@ struct ImportedAssembly {
   std::vector<std::uint32_t> base;
   bool base_chosen = false;  ///< and not named by the user
   std::size_t moved = 1;     ///< parts that must move at once somewhere; 1: all come off one by one
+  bool moved_hang_together = true;  ///< each set that must move at once
   /// Parts of one piece that no order of straight motions takes apart; sorted.
   std::vector<std::vector<std::uint32_t>> stuck;
   std::vector<std::vector<std::uint32_t>> groups;  ///< that no connection joins; largest first

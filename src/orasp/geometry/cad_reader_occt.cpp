@@ -208,6 +208,7 @@ class StepFile {
     stream.clear();
     stream.seekg(0, std::ios::end);
     const auto size = static_cast<std::streamoff>(stream.tellg());
+    if (size < 0) fail("it is no regular file");
     constexpr std::streamoff kTail = 4096;
     stream.seekg(std::max<std::streamoff>(0, size - kTail));
     std::string tail(static_cast<std::size_t>(std::min(size, kTail)), '\0');
@@ -315,6 +316,12 @@ class StepFile {
 
   void visit(const TDF_Label& label, const TopLoc_Location& location, const std::string& parent,
              const std::optional<Colour>& above, int depth) {
+    // Assemblies of assemblies multiply: far above what --exclude could bring down to a problem.
+    constexpr std::size_t kMostLeaves = 100'000;
+    constexpr int kDeepest = 1'000;
+    if (leaves_.size() > kMostLeaves) fail("it has more than 100,000 parts");
+    if (depth > kDeepest) fail("its assemblies are nested more than 1,000 deep");
+    stop_if_asked();
     TDF_Label product = label;
     if (XCAFDoc_ShapeTool::IsReference(label)) XCAFDoc_ShapeTool::GetReferredShape(label, product);
     const TopLoc_Location here = location * XCAFDoc_ShapeTool::GetLocation(label);

@@ -246,7 +246,13 @@ class MeshFile {
         fail("a vertex has a coordinate that is not a finite number");
       const auto [entry, is_new] =
           numbers.emplace(key, static_cast<std::uint32_t>(part.mesh.vertices.size()));
-      if (is_new) part.mesh.vertices.push_back(placed(where, own));
+      if (is_new) {
+        const Vector3 point = placed(where, own);
+        constexpr double kFarthest = 1e12;
+        if (!std::ranges::all_of(point, [](double x) { return std::abs(x) <= kFarthest; }))
+          fail("a vertex is not in a finite place, or farther than 1e9 m");
+        part.mesh.vertices.push_back(point);
+      }
       return number = entry->second;
     };
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {

@@ -119,9 +119,16 @@ std::string file_text(const fs::path& file) {
   std::error_code error;
   if (!stream || fs::is_directory(file, error))
     throw InputError(file.string() + ": it cannot be opened");
-  if (fs::file_size(file, error) > detail::kMaxJsonBytes)
-    throw InputError(file.string() + ": it is larger than 256 MiB");
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  // Read in pieces: of a pipe no size is known before.
+  std::string text;
+  std::string piece(std::size_t{1} << 16U, '\0');
+  while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())),
+         stream.gcount() > 0) {
+    text.append(piece, 0, static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > detail::kMaxJsonBytes)
+      throw InputError(file.string() + ": it is larger than 256 MiB");
+  }
+  return text;
 }
 
 void place_part(CadPart& part, Placement pose, double scale) {

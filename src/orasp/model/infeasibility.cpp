@@ -227,14 +227,15 @@ std::optional<std::array<PartIndex, 2>> TransitionSystem::locked_pair() const {
 
   const auto [first, last] = both_ends();
   if (rules.by_part) {
-    for (const std::array<PartIndex, 2>& pair : pairs) {
-      for (ConnectionIndex c = 0; c < num_connections(); ++c) {
-        auto ends = problem_.ends(c);
-        std::ranges::sort(ends);
-        if (ends == pair && first.contains(c) && !last.contains(c)) return pair;
-      }
+    std::optional<std::array<PartIndex, 2>> joined;
+    for (ConnectionIndex c = 0; c < num_connections(); ++c) {
+      if (!first.contains(c) || last.contains(c)) continue;
+      auto ends = problem_.ends(c);
+      std::ranges::sort(ends);
+      // Pairs ascend, as they were found.
+      if ((!joined || ends < *joined) && std::ranges::binary_search(pairs, ends)) joined = ends;
     }
-    return std::nullopt;
+    return joined;
   }
   const auto pieces_of = [&](const ConnectionSet& there) {
     std::vector<PartIndex> piece_of(problem_.num_parts());

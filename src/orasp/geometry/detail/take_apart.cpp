@@ -112,6 +112,12 @@ class Product {
     answer_.moved = std::max(answer_.moved, leaving->moved);
     Group rest;
     std::ranges::set_difference(piece, leaving->set, std::back_inserter(rest));
+    const bool set_moves =
+        leaving->moved == leaving->set.size() &&
+        std::ranges::none_of(leaving->set, [this](std::uint32_t part) { return is_fixed(part); });
+    const Group& moving = set_moves ? leaving->set : rest;
+    enter(moving);
+    if (pieces_of(moving).size() > 1) answer_.hangs_together = false;
     open_.push_back(leaving->set);
     open_.push_back(std::move(rest));
   }

@@ -20,6 +20,9 @@ struct BlockedAlong {
 struct TakenApart {
   /// The most parts that had to move at once; 1 where all came off one by one.
   std::size_t moved = 1;
+  /// Whether each set that moved hangs together. If not, a plan whose steps move sets that do may
+  /// need larger ones.
+  bool hangs_together = true;
   /// Groups of parts of which none and no subassembly can leave the others. Empty: all comes apart.
   std::vector<std::vector<std::uint32_t>> stuck;
 };
@@ -32,8 +35,7 @@ struct TakenApart {
 ///            graph are the least sets that can leave (Wilson and Latombe 1994, Geometric reasoning
 ///            about mechanical assembly, Artificial Intelligence 71, 371-396).
 /// Guarantee. What is stuck has no plan: taking other parts off first never hinders, so the order
-///            does not matter. That a set hangs together is not asked, so `moved` is a lower bound
-///            where the pieces of a set do not touch.
+///            does not matter. `moved` is a lower bound where a set does not hang together.
 /// Cost.      O(directions * facts) for each part or set that goes where none was free; counting
 ///            blockers makes free parts cheap.
 /// Ties.      By direction, then by part.

@@ -207,6 +207,7 @@ class GlbReader {
   std::unordered_map<std::string_view, PartIndex> by_id_;
   std::vector<std::vector<Piece>> pieces_;
   std::vector<std::optional<Transform>> places_;
+  mutable std::size_t points_read_ = 0;  // of all surfaces, however often they share points
 };
 
 Numbers GlbReader::numbers(std::size_t accessor, bool indices) const {
@@ -260,6 +261,9 @@ void GlbReader::add_primitive(const json& primitive, const Transform& place, Raw
                             : std::nullopt;
   if (!position) damaged("a surface in it has no positions");
   const Numbers points = numbers(*position, false);
+  points_read_ += points.count;
+  if (points_read_ > 3 * kMaxShapeTriangles)
+    damaged("it has more than {}", counted(kMaxShapeTriangles, "triangle"));
   const auto first = static_cast<std::uint32_t>(mesh.points.size());
   for (std::size_t i = 0; i < points.count; ++i) {
     const Vector3 point = place * Vector3{points.real(i, 0), points.real(i, 1), points.real(i, 2)};
