@@ -178,9 +178,9 @@ void add_shapes(const Problem& problem, const std::string& problem_file, const C
   try {
     const std::filesystem::path problem_path = problem_file == "-" ? "" : problem_file;
     const std::filesystem::path path = problem_path.parent_path() / geometry->file;
-    // Pipes and devices may never end, and "-" is standard input.
+    // Pipes and devices may never end; what else is no file is said when it is read.
     std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error))
+    if (std::filesystem::is_other(path, error))
       return do_without(in_quotes(path.string()) + " is no file", name + " is no file");
     bytes = read_text(path == "-" ? "./-" : path.string());
   } catch (const InputError& error) {

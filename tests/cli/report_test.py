@@ -80,12 +80,14 @@ class Report(Case):
         self.assertIn('with "action": "part" a step takes several', answer.error)
 
     def test_without_the_file_of_shapes_the_report_is_as_before_with_a_warning(self):
+        os.mkfifo(self.folder / "pipe.glb")
         problem = json.loads(orasp("scenarios", "3piece").out)
         pages = {}
         for name, content, said in [
             (None, None, None),
             ("missing.glb", None, r"warning: geometry: cannot read .*missing\.glb.*: No such file or directory; the report does without"),
             (".", None, r"warning: geometry: cannot read .*: Is a directory; the report does without"),
+            ("pipe.glb", None, r'warning: geometry: ".*pipe\.glb" is no file; the report does without'),  # without a writer
             ("bad.glb", "solid cube", r'warning: geometry: "bad\.glb": it is not a binary glTF file; the report does without'),
         ]:
             with self.subTest(name=name):
