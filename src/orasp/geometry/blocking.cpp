@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "orasp/geometry/detail/for_each_index.h"
+#include "orasp/geometry/detail/frame.h"
 #include "orasp/geometry/detail/pair_blocking.h"
 #include "orasp/geometry/detail/part_shape.h"
 

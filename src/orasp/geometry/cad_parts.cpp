@@ -7,6 +7,8 @@
 #include <set>
 
 #include "orasp/geometry/detail/part_names.h"
+#include "orasp/geometry/detail/plain_text.h"
+#include "orasp/model/detail/wording.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -47,35 +49,11 @@ constexpr std::array<NamedDensity, 20> kNamedDensities = {{
     {"bearing", "steel", kSteel},
 }};
 
-std::string lower(std::string_view text) {
-  std::string small(text);
-  std::ranges::transform(small, small.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return small;
-}
-
-/// Bytes of one UTF-8 character at the front of `text`; 0 where there is none.
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0U) != 0x80) return 0;
-  }
-  if (first == 0xE0 && byte(1) < 0xA0) return 0;
-  if (first == 0xED && byte(1) > 0x9F) return 0;
-  if (first == 0xF0 && byte(1) < 0x90) return 0;
-  if (first == 0xF4 && byte(1) > 0x8F) return 0;
-  return length;
-}
-
 /// A name that may be an id: valid UTF-8, no control characters, no blanks at its ends.
 std::string clean(std::string_view name) {
   std::string text;
   for (std::size_t i = 0; i < name.size();) {
-    const std::size_t length = character_length(name.substr(i));
+    const std::size_t length = detail::character_length(name.substr(i));
     const auto byte = static_cast<unsigned char>(name[i]);
     if (length == 0) {
       text += '?';
@@ -130,7 +108,7 @@ bool is_plausible_density(double density) {
 /// The density that a name tells, if any.
 std::optional<NamedDensity> density_named(std::string_view name) {
   if (detail::names_fastener(name)) return NamedDensity{"", "steel", kSteel};
-  const std::string small = lower(name);
+  const std::string small = detail::lower(name);
   for (const NamedDensity& entry : kNamedDensities) {
     if (small.find(entry.word) != std::string::npos) return entry;
   }

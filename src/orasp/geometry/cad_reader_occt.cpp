@@ -48,6 +48,7 @@
 #include "orasp/geometry/cad_reader.h"
 #include "orasp/geometry/contacts.h"
 #include "orasp/geometry/detail/occt_shape.h"
+#include "orasp/geometry/detail/plain_text.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -56,19 +57,12 @@ namespace {
 
 using Colour = std::array<float, 3>;
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
-
 /// UTF-8 of a name of the kernel.
 std::string text_of(const TCollection_ExtendedString& name) {
   std::string text(static_cast<std::size_t>(name.LengthOfCString()) + 1, '\0');
   Standard_PCharacter begin = text.data();
   text.resize(static_cast<std::size_t>(name.ToUTF8CString(begin)));
-  return trimmed(text.c_str());
+  return detail::trimmed(text.c_str());
 }
 
 std::string name_of(const TDF_Label& label) {
@@ -153,7 +147,7 @@ void read_material(const Handle(XCAFDoc_MaterialTool) & materials, const TDF_Lab
                               density_type)) {
     return;
   }
-  if (!name.IsNull()) leaf.material = trimmed(name->ToCString());
+  if (!name.IsNull()) leaf.material = detail::trimmed(name->ToCString());
   constexpr double kPerCubicMetre = 1e6;  // the kernel's are g/mm^3
   if (density > 0) leaf.density = density * kPerCubicMetre;
 }
@@ -237,7 +231,7 @@ class StepFile {
     TColStd_SequenceOfAsciiString angles;
     TColStd_SequenceOfAsciiString solid_angles;
     reader_.ChangeReader().FileUnits(lengths, angles, solid_angles);
-    const std::string name = lengths.IsEmpty() ? "" : trimmed(lengths.First().ToCString());
+    const std::string name = lengths.IsEmpty() ? "" : detail::trimmed(lengths.First().ToCString());
     static const std::map<std::string, std::pair<std::string, double>> kUnits = {
         {"millimetre", {"mm", 1}},  {"MILLIMETRE", {"mm", 1}},    {"centimetre", {"cm", 10}},
         {"CENTIMETRE", {"cm", 10}}, {"metre", {"m", 1000}},       {"METRE", {"m", 1000}},
@@ -254,7 +248,7 @@ class StepFile {
                : ": its unit of length is called \"" + name + "\"; the STEP reader converts it"));
     }
     for (int i = 2; i <= lengths.Length(); ++i) {
-      if (trimmed(lengths.Value(i).ToCString()) == name) continue;
+      if (detail::trimmed(lengths.Value(i).ToCString()) == name) continue;
       model_.warnings.push_back(file_.filename().string() +
                                 ": it holds several units of length; each part is read in its own");
       break;
@@ -392,7 +386,7 @@ class StepFile {
     const auto item =
         Handle(StepRepr_RepresentationItem)::DownCast(made->EntityFromShapeResult(body, 3));
     if (item.IsNull() || item->Name().IsNull()) return {};
-    return trimmed(item->Name()->ToCString());
+    return detail::trimmed(item->Name()->ToCString());
   }
 
   /// The diagonal of everything, mm, for the default of the tolerance.

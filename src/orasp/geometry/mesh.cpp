@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "orasp/geometry/detail/vector_math.h"
+#include "orasp/model/detail/vector_math.h"
 
 namespace orasp {
 namespace {
@@ -106,6 +106,7 @@ MeshMeasure measure(const Mesh& mesh) {
     area_sum = plus(area_sum, times(corners, area / 3));
   }
   result.volume = std::abs(six_volumes) / 6;
+  result.inside_out = six_volumes < 0;
   result.closed = closed_over(mesh, first_at_place(mesh.vertices, result.box.low, 0));
   if (!result.closed) {
     const double step = 1e-7 * result.box.diagonal();

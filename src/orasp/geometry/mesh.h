@@ -28,10 +28,11 @@ struct Box {
 /// What a mesh measures, by the divergence theorem. O(triangles).
 struct MeshMeasure {
   Box box;
-  double area = 0.0;    ///< mm^2
-  double volume = 0.0;  ///< mm^3; of an open mesh a rough value
-  Vector3 centroid{};   ///< of the volume; of an open mesh that of its surface
-  bool closed = false;  ///< every edge has as many triangles on one side as on the other
+  double area = 0.0;        ///< mm^2
+  double volume = 0.0;      ///< mm^3; of an open mesh a rough value
+  Vector3 centroid{};       ///< of the volume; of an open mesh that of its surface
+  bool inside_out = false;  ///< its triangles are clockwise from outside, all in all
+  bool closed = false;      ///< every edge has as many triangles on one side as on the other
 };
 
 [[nodiscard]] MeshMeasure measure(const Mesh& mesh);

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "orasp/geometry/cad_reader.h"
 
 namespace orasp {
+
+/// How the names of files of triangles end, in lower case.
+inline constexpr auto kMeshEndings =
+    std::to_array<std::string_view>({".obj", ".stl", ".ply", ".gltf", ".glb", ".3mf"});
 
 /// Reads triangles: OBJ, STL, PLY, glTF (.gltf, .glb) and 3MF.
 ///

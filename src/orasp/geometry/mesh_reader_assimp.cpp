@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
-#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -28,6 +27,7 @@
 #include <assimp/scene.h>
 
 #include "orasp/geometry/contacts.h"
+#include "orasp/geometry/detail/plain_text.h"
 #include "orasp/geometry/mesh_reader.h"
 #include "orasp/model/error.h"
 
@@ -51,25 +51,12 @@ struct PlaceHash {
 /// Vertices by where they lie.
 using Numbers = std::unordered_map<Place, std::uint32_t, PlaceHash>;
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// The library's message as part of a sentence: one line, no full stop.
 std::string one_line(std::string message) {
   for (char& c : message) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
-  message = trimmed(message);
+  message = detail::trimmed(message);
   while (message.ends_with('.')) message.pop_back();
   return message.empty() ? "no reason given" : message;
 }
@@ -117,7 +104,7 @@ ObjText with_plain_names(const std::string& obj) {
       plain.text.append(line).append("\n");
       return;
     }
-    const std::string name = trimmed(std::string(line.substr(2)));
+    const std::string name = detail::trimmed(std::string(line.substr(2)));
     std::size_t number = plain.names.size();
     // A group may go on later; an object is a new one each time.
     if (letter == 'g') number = groups.emplace(name, number).first->second;
@@ -151,9 +138,8 @@ class MeshFile {
 
   CadModel read() {
     if (settings_.progress) settings_.progress({.phase = "reading"});
-    const std::string extension = lower(file_.extension().string());
-    static const std::set<std::string> kKnown = {".obj", ".stl", ".ply", ".gltf", ".glb", ".3mf"};
-    if (!kKnown.contains(extension))
+    const std::string extension = detail::lower(file_.extension().string());
+    if (std::ranges::find(kMeshEndings, extension) == kMeshEndings.end())
       fail("its name does not end in .obj, .stl, .ply, .gltf, .glb or .3mf");
     std::error_code error;
     const auto size = std::filesystem::file_size(file_, error);
@@ -178,7 +164,7 @@ class MeshFile {
     importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                  aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-    if (lower(file_.extension().string()) == ".obj") {
+    if (detail::lower(file_.extension().string()) == ".obj") {
       std::ifstream stream(file_, std::ios::binary);
       obj_ = with_plain_names({std::istreambuf_iterator<char>(stream), {}});
       importer_.SetIOHandler(new OneFileInMemory(file_.string(), obj_.text));  // the importer's own
@@ -206,7 +192,7 @@ class MeshFile {
 
   /// The node's name; of an OBJ file what with_plain_names() replaced.
   std::string name_of(const aiNode& node) const {
-    const std::string name = trimmed(node.mName.C_Str());
+    const std::string name = detail::trimmed(node.mName.C_Str());
     constexpr std::string_view kPlain = "part_";
     if (obj_.names.empty() || !name.starts_with(kPlain)) return name;
     std::size_t number = obj_.names.size();

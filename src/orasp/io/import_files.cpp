@@ -15,6 +15,7 @@
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/problem_json.h"
+#include "orasp/model/detail/vector_math.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -135,21 +136,6 @@ std::string laid_out(const ordered_json& problem) {
 // -------------------------------------------------------------------------------------------------
 // shapes
 
-Vector3 difference(const Vector3& a, const Vector3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-double dot(const Vector3& a, const Vector3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vector3 of_length_1(const Vector3& v) {
-  const double length = std::sqrt(dot(v, v));
-  if (!(length > 0)) return {0, 0, 1};
-  return {v[0] / length, v[1] / length, v[2] / length};
-}
-
 /// Corners as a picture wants them: a vertex stands once for each smooth piece of surface round it.
 struct SmoothMesh {
   std::vector<std::array<float, 3>> positions;
@@ -165,22 +151,22 @@ SmoothMesh smoothed(const std::vector<Vector3>& vertices,
   std::vector<Vector3> facing;
   std::vector<std::vector<std::uint32_t>> round(vertices.size());
   for (const auto& [a, b, c] : triangles) {
-    const Vector3 normal =
-        cross(difference(vertices[b], vertices[a]), difference(vertices[c], vertices[a]));
+    const Vector3 normal = detail::cross(detail::minus(vertices[b], vertices[a]),
+                                         detail::minus(vertices[c], vertices[a]));
     for (const std::uint32_t corner : {a, b, c})
       round[corner].push_back(static_cast<std::uint32_t>(weighted.size()));
     weighted.push_back(normal);
-    facing.push_back(of_length_1(normal));
+    facing.push_back(detail::facing(normal));
   }
   SmoothMesh smooth;
   std::vector<std::vector<std::uint32_t>> made(vertices.size());
   const auto corner_of = [&](std::uint32_t vertex, std::size_t triangle) {
     Vector3 sum{};
     for (const std::uint32_t other : round[vertex]) {
-      if (dot(facing[other], facing[triangle]) < kCrease) continue;
+      if (detail::dot(facing[other], facing[triangle]) < kCrease) continue;
       for (std::size_t i = 0; i < 3; ++i) sum[i] += weighted[other][i];
     }
-    const Vector3 unit = of_length_1(sum);
+    const Vector3 unit = detail::facing(sum);
     std::array<float, 3> normal{};
     for (std::size_t i = 0; i < 3; ++i)
       normal[i] = static_cast<float>(std::round(unit[i] * 1e4) / 1e4) + 0.0F;
@@ -270,8 +256,9 @@ class GlbWriter {
     if (moved) {
       const Placement& place = *part.placement;
       for (Vector3& vertex : vertices) {
-        const Vector3 back = difference(vertex, place.origin);
-        vertex = {dot(place.axes[0], back), dot(place.axes[1], back), dot(place.axes[2], back)};
+        const Vector3 back = detail::minus(vertex, place.origin);
+        vertex = {detail::dot(place.axes[0], back), detail::dot(place.axes[1], back),
+                  detail::dot(place.axes[2], back)};
       }
     }
     const SmoothMesh smooth = smoothed(vertices, part.mesh.triangles);

@@ -15,9 +15,11 @@
 #include <fmt/format.h>
 
 #include "orasp/geometry/contacts.h"
+#include "orasp/geometry/detail/plain_text.h"
 #include "orasp/geometry/mesh_reader.h"
 #include "orasp/io/detail/json_document.h"
 #include "orasp/io/detail/json_members.h"
+#include "orasp/model/detail/vector_math.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -68,16 +70,10 @@ std::array<Vector3, 3> axes_of_rows(const std::vector<Vector3>& rows, const Plac
                                        row_times({rows[0], rows[1], rows[2]}, 1),
                                        row_times({rows[0], rows[1], rows[2]}, 2)};
   constexpr double kSame = 1e-4;
-  const auto dot = [](const Vector3& a, const Vector3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  };
-  const Vector3 cross = {axes[0][1] * axes[1][2] - axes[0][2] * axes[1][1],
-                         axes[0][2] * axes[1][0] - axes[0][0] * axes[1][2],
-                         axes[0][0] * axes[1][1] - axes[0][1] * axes[1][0]};
-  bool is_turn = dot(cross, axes[2]) > 0;
+  bool is_turn = detail::dot(detail::cross(axes[0], axes[1]), axes[2]) > 0;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j <= i; ++j)
-      is_turn = is_turn && std::abs(dot(axes[i], axes[j]) - (i == j ? 1 : 0)) < kSame;
+      is_turn = is_turn && std::abs(detail::dot(axes[i], axes[j]) - (i == j ? 1 : 0)) < kSame;
   }
   if (!is_turn) fail(place, "the matrix is not a turn: its rows are not of length 1 and upright");
   return axes;
@@ -150,10 +146,7 @@ void place_part(CadPart& part, Placement pose, double scale) {
 // files
 
 std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return detail::lower(file.extension().string());
 }
 
 bool is_step(const fs::path& file) {
@@ -162,8 +155,7 @@ bool is_step(const fs::path& file) {
 }
 
 bool is_mesh(const fs::path& file) {
-  static const std::set<std::string> kEndings = {".obj", ".stl", ".ply", ".gltf", ".glb", ".3mf"};
-  return kEndings.contains(lower_extension(file));
+  return std::ranges::find(kMeshEndings, lower_extension(file)) != kMeshEndings.end();
 }
 
 /// Digits compare by their value: "2" before "10".

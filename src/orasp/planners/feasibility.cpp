@@ -96,7 +96,6 @@ class PartsFirst {
 
 /// `system` takes the problem apart.
 Feasibility search(const TransitionSystem& system, const Budget& budget) {
-  if (system.locked_pair()) return {.status = Status::Infeasible};
   if (system.wide()) {
     Result result = detail::wide_greedy(system, budget);
     Feasibility found;
@@ -151,17 +150,21 @@ Feasibility find_order(const Problem& problem, const ConnectionSet& from, const 
                        const Budget& budget) {
   const Problem plain = prepared(problem.spec());
   const std::size_t connections = problem.num_connections();
+  const auto search_unless_locked = [&](const TransitionSystem& system) {
+    return system.locked_pair() ? Feasibility{.status = Status::Infeasible}
+                                : search(system, budget);
+  };
   Situation now = Situation::whole(connections);
   if (problem.direction() == Direction::Disassembly) {
     now.open = from;
     now.inaccessible = to;
-    return search(TransitionSystem(plain, now), budget);
+    return search_unless_locked(TransitionSystem(plain, now));
   }
   for (ConnectionIndex c = 0; c < connections; ++c) {
     if (to.contains(c)) now.open.erase(c);
     if (!from.contains(c)) now.inaccessible.insert(c);
   }
-  return search(TransitionSystem(plain, now).backwards(), budget);
+  return search_unless_locked(TransitionSystem(plain, now).backwards());
 }
 
 Feasibility find_order(ProblemSpec spec, const Budget& budget) {

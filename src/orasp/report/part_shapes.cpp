@@ -17,6 +17,7 @@
 #include <meshoptimizer.h>
 #include <nlohmann/json.hpp>
 
+#include "orasp/model/detail/vector_math.h"
 #include "orasp/model/error.h"
 #include "orasp/report/detail/glb_reader.h"
 #include "orasp/report/detail/report_page.h"
@@ -156,19 +157,8 @@ struct PageMesh {
   std::vector<std::uint32_t> lines;
 };
 
-Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Vector3& a, const Vector3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 Vector3 minus(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return {double{a[0]} - b[0], double{a[1]} - b[1], double{a[2]} - b[2]};
-}
-Vector3 unit(const Vector3& vector) {
-  const double length = std::sqrt(dot(vector, vector));
-  if (!(length > 0)) return {0, 0, 1};
-  return {vector[0] / length, vector[1] / length, vector[2] / length};
 }
 std::array<std::int8_t, 4> packed(const Vector3& normal) {
   std::array<std::int8_t, 4> bytes{};
@@ -198,8 +188,8 @@ std::vector<std::array<std::uint32_t, 2>> sharp_edges(const RawMesh& mesh,
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].edge == sides[i].edge) ++end;
-    const bool smooth =
-        end - i == 2 && dot(flat[sides[i].triangle], flat[sides[i + 1].triangle]) > kSmoothCosine;
+    const bool smooth = end - i == 2 && detail::dot(flat[sides[i].triangle],
+                                                    flat[sides[i + 1].triangle]) > kSmoothCosine;
     if (!smooth) edges.push_back(sides[i].edge);
     i = end;
   }
@@ -213,8 +203,8 @@ PageMesh shaded(const RawMesh& mesh) {
   std::vector<std::vector<std::uint32_t>> around(mesh.points.size());
   for (std::size_t t = 0; t < triangles; ++t) {
     const auto point = [&](std::size_t k) { return mesh.points[mesh.corners[3 * t + k]]; };
-    heavy[t] = cross(minus(point(1), point(0)), minus(point(2), point(0)));
-    flat[t] = unit(heavy[t]);
+    heavy[t] = detail::cross(minus(point(1), point(0)), minus(point(2), point(0)));
+    flat[t] = detail::facing(heavy[t]);
     for (std::size_t k = 0; k < 3; ++k)
       around[mesh.corners[3 * t + k]].push_back(static_cast<std::uint32_t>(t));
   }
@@ -227,10 +217,10 @@ PageMesh shaded(const RawMesh& mesh) {
     if (around[corner].size() <= kMostNeighbours) {
       Vector3 sum{};
       for (const std::uint32_t t : around[corner]) {
-        if (dot(flat[t], flat[i / 3]) <= kSmoothCosine) continue;
+        if (detail::dot(flat[t], flat[i / 3]) <= kSmoothCosine) continue;
         for (std::size_t k = 0; k < 3; ++k) sum[k] += heavy[t][k];
       }
-      if (dot(sum, sum) > 0) normal = unit(sum);
+      if (detail::dot(sum, sum) > 0) normal = detail::facing(sum);
     }
     const auto bytes = packed(normal);
     const auto [entry, is_new] =
@@ -267,17 +257,17 @@ PageMesh shaded(const RawMesh& mesh) {
 bool keeps_angles(const Transform& t) {
   const std::array<Vector3, 3> columns = {Vector3{t[0], t[1], t[2]}, Vector3{t[3], t[4], t[5]},
                                           Vector3{t[6], t[7], t[8]}};
-  const double size = dot(columns[0], columns[0]);
+  const double size = detail::dot(columns[0], columns[0]);
   constexpr double kExact = 1e-5;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (!(std::abs(dot(columns[i], columns[i]) - size) <= kExact * size)) return false;
-    if (!(std::abs(dot(columns[i], columns[(i + 1) % 3])) <= kExact * size)) return false;
+    if (!(std::abs(detail::dot(columns[i], columns[i]) - size) <= kExact * size)) return false;
+    if (!(std::abs(detail::dot(columns[i], columns[(i + 1) % 3])) <= kExact * size)) return false;
   }
   return size > 0;
 }
 
 double size_of(const Transform& t) {
-  return std::sqrt(dot({t[0], t[1], t[2]}, {t[0], t[1], t[2]}));
+  return std::sqrt(detail::dot({t[0], t[1], t[2]}, {t[0], t[1], t[2]}));
 }
 
 /// Meshes at places that do not keep angles are put there, so that normals and nodes may be simple.

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "orasp/geometry/detail/frame.h"
 #include "orasp/geometry/detail/line_raster.h"
 
 namespace orasp::detail {

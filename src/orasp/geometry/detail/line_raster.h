@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "orasp/geometry/detail/frame.h"
 #include "orasp/geometry/detail/triangle_tree.h"
 
 namespace orasp::detail {

@@ -20,6 +20,8 @@
 #include <gp_Cylinder.hxx>
 #include <gp_Pln.hxx>
 
+#include "orasp/model/detail/vector_math.h"
+
 namespace orasp::detail {
 
 namespace {
@@ -101,11 +103,8 @@ double triangle_area(const Vector3& a, const Vector3& b, const Vector3& c) {
 double enclosed_volume(const Mesh& mesh) {
   double volume = 0;
   for (const auto& triangle : mesh.triangles) {
-    const Vector3& a = mesh.vertices[triangle[0]];
-    const Vector3& b = mesh.vertices[triangle[1]];
-    const Vector3& c = mesh.vertices[triangle[2]];
-    volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0])) /
+    volume += dot(mesh.vertices[triangle[0]],
+                  cross(mesh.vertices[triangle[1]], mesh.vertices[triangle[2]])) /
               6;
   }
   return volume;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "orasp/geometry/detail/frame.h"
 #include "orasp/geometry/detail/line_intervals.h"
 #include "orasp/geometry/detail/line_raster.h"
 

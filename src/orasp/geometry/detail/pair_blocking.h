@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "orasp/geometry/detail/cell_mask.h"
+#include "orasp/geometry/detail/frame.h"
 #include "orasp/geometry/detail/line_intervals.h"
 #include "orasp/geometry/detail/line_raster.h"
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "orasp/geometry/detail/vector_math.h"
 #include "orasp/geometry/mesh.h"
+#include "orasp/model/detail/vector_math.h"
 
 namespace orasp::detail {
 

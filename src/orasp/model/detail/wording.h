@@ -47,6 +47,10 @@ namespace orasp::detail {
 /// unchanged.
 [[nodiscard]] std::optional<std::string> id_fault(const std::string& id);
 
+/// Bytes of the well-formed character at the front of `text`, which is not empty; 0 if it is
+/// ill-formed.
+[[nodiscard]] std::size_t character_length(std::string_view text);
+
 /// The position of the first byte that is not part of well-formed UTF-8 (RFC 3629), if there is
 /// one.
 [[nodiscard]] std::optional<std::size_t> ill_formed_utf8(std::string_view text);

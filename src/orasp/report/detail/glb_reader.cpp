@@ -198,8 +198,8 @@ class GlbReader {
   void walk();
   [[nodiscard]] Numbers numbers(std::size_t accessor, bool indices) const;
   void add_primitive(const json& primitive, const Transform& place, RawMesh& mesh,
-                     std::map<std::array<double, 4>, std::size_t>& colours) const;
-  [[nodiscard]] RawMesh mesh_of(const std::vector<Piece>& pieces) const;
+                     std::map<std::array<double, 4>, std::size_t>& colours);
+  [[nodiscard]] RawMesh mesh_of(const std::vector<Piece>& pieces);
 
   const Problem& problem_;
   std::string_view data_;
@@ -207,7 +207,7 @@ class GlbReader {
   std::unordered_map<std::string_view, PartIndex> by_id_;
   std::vector<std::vector<Piece>> pieces_;
   std::vector<std::optional<Transform>> places_;
-  mutable std::size_t points_read_ = 0;  // of all surfaces, however often they share points
+  std::size_t points_read_ = 0;  // of all surfaces, however often they share points
 };
 
 Numbers GlbReader::numbers(std::size_t accessor, bool indices) const {
@@ -251,7 +251,7 @@ Numbers GlbReader::numbers(std::size_t accessor, bool indices) const {
 }
 
 void GlbReader::add_primitive(const json& primitive, const Transform& place, RawMesh& mesh,
-                              std::map<std::array<double, 4>, std::size_t>& colours) const {
+                              std::map<std::array<double, 4>, std::size_t>& colours) {
   const std::size_t mode = index_in(primitive, "mode").value_or(4);
   if (mode < 4) return;  // points and lines are no surface
   if (mode > 6) damaged("it has primitives of mode {}, which is none", mode);
@@ -286,8 +286,7 @@ void GlbReader::add_primitive(const json& primitive, const Transform& place, Raw
   } else {
     for (std::size_t i = 0; i < points.count; ++i) corners.push_back(static_cast<std::uint32_t>(i));
   }
-  if (mesh.points.size() > 3 * kMaxShapeTriangles ||
-      mesh.corners.size() / 3 + corners.size() > 3 * kMaxShapeTriangles)
+  if (mesh.corners.size() / 3 + corners.size() > 3 * kMaxShapeTriangles)
     damaged("it has more than {}", counted(kMaxShapeTriangles, "triangle"));
   const std::size_t before = mesh.corners.size();
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
@@ -317,7 +316,7 @@ void GlbReader::add_primitive(const json& primitive, const Transform& place, Raw
   colours[colour] += mesh.corners.size() - before;
 }
 
-RawMesh GlbReader::mesh_of(const std::vector<Piece>& pieces) const {
+RawMesh GlbReader::mesh_of(const std::vector<Piece>& pieces) {
   RawMesh mesh;
   std::map<std::array<double, 4>, std::size_t> colours;
   for (const auto& [number, place] : pieces) {

@@ -1,37 +1,11 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "orasp/model/vector3.h"
+#include "orasp/model/detail/vector_math.h"
 
 namespace orasp::detail {
-
-[[nodiscard]] constexpr Vector3 plus(const Vector3& a, const Vector3& b) {
-  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-[[nodiscard]] constexpr Vector3 minus(const Vector3& a, const Vector3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-[[nodiscard]] constexpr Vector3 times(const Vector3& a, double factor) {
-  return {a[0] * factor, a[1] * factor, a[2] * factor};
-}
-[[nodiscard]] constexpr double dot(const Vector3& a, const Vector3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-[[nodiscard]] constexpr Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-[[nodiscard]] inline double length(const Vector3& a) {
-  return std::sqrt(dot(a, a));
-}
-
-/// Of length 1; a vector without a direction stays 0.
-[[nodiscard]] inline Vector3 normalized(const Vector3& a) {
-  const double size = length(a);
-  return size > 0 && std::isfinite(size) ? times(a, 1 / size) : Vector3{};
-}
 
 /// Three directions at right angles, right-handed: lines of sight run along `w`.
 struct Frame {
