@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "orasp/drawing/detail/dot_text.h"
+#include "orasp/io/detail/dot_text.h"
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/drawing/graphviz.h"
 #include "orasp/graph/graph_estimate.h"
