@@ -273,6 +273,7 @@ const Format& format_of_input(std::string_view file, std::string_view text) {
 }
 
 const Format& format_of_output(std::string_view file) {
+  if (file == "-") return find_format("orasp");
   const std::string ending = ending_of(file);
   const auto names = names_where([&](const Format& row) {
     return row.write != nullptr && !ending.empty() && has_ending(row, ending);

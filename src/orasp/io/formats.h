@@ -39,7 +39,8 @@ struct Format {
 /// @throws InputError with one sentence where that is not certain.
 [[nodiscard]] const Format& format_of_input(std::string_view file, std::string_view text);
 
-/// The format of an output file by its ending. @throws InputError with one sentence that lists the
+/// The format of an output file by its ending; of "-", standard output, that of problem files.
+/// Where an ending is that of a problem and of plans, it means the problem. @throws InputError with one sentence that lists the
 /// formats where several or none have it.
 [[nodiscard]] const Format& format_of_output(std::string_view file);
 

@@ -7,14 +7,55 @@
 namespace orasp::detail {
 namespace {
 
-/// The order of the steps that keeps what each of them cuts. plan_order keeps that where a limit
-/// looks at it; one that every step obeys changes nothing else.
-std::vector<OrderedPair> order_with_cuts(const WriteRequest& request,
-                                         std::vector<std::string>& notes) {
-  Limits limits = request.problem.limits();
-  if (!limits.max_moved_parts) limits.max_moved_parts = request.problem.num_parts();
-  const Problem limited = request.problem.with_limits(limits);
-  return step_order({.problem = limited, .plan = request.plan}, notes);
+/// The order of the steps that keeps the plan legal and what each step moves. In disassembly order
+/// (assembly: backwards), for each step t that cuts a piece, with M the side that it moves: (a)
+/// every other connection that leaves M comes before t, (b) the steps that cut M further come after
+/// it.
+/// Proof. The steps that cut are a spanning tree of what hangs together at the start. In any order
+/// that keeps the pairs, at the time of t all of the tree inside of M is there by (b), and nothing
+/// but t leads out of M by (a): so t takes off M, whole. A connection c that cuts nothing in the
+/// plan closes a cycle with a path of the tree. Every step s of the path comes after c: the side
+/// that s moves ends, along the path, at an end of c, which leaves it, or at a step of the path
+/// that the plan makes before s, which leaves it too and comes after c by induction; by (a) either
+/// comes before s. So the path is there when c is taken, and c takes nothing off.
+std::vector<OrderedPair> order_with_moves(const WriteRequest& request,
+                                          std::vector<std::string>& notes) {
+  const Problem& problem = request.problem;
+  const std::vector<Step>& steps = request.plan->steps;
+  std::vector<OrderedPair> pairs = step_order(request, notes);
+  if (TransitionSystem(problem).wide()) return pairs;
+  const bool backwards = problem.direction() == Direction::Assembly;
+  const auto add = [&](std::size_t early, std::size_t late) {
+    pairs.emplace_back(backwards ? late : early, backwards ? early : late);
+  };
+  std::vector<std::size_t> step_of(problem.num_connections());
+  for (std::size_t i = 0; i < steps.size(); ++i) step_of[steps[i].connection] = i;
+  std::vector<std::vector<ConnectionIndex>> at_part(problem.num_parts());
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    const auto& [first, second] = problem.ends(c);
+    if (first == second) continue;
+    at_part[first].push_back(c);
+    at_part[second].push_back(c);
+  }
+  std::vector<bool> inside(problem.num_parts(), false);
+  for (std::size_t t = 0; t < steps.size(); ++t) {
+    if (!steps[t].separates) continue;
+    const std::vector<PartIndex>& side = steps[t].both_stay ? steps[t].a : steps[t].moved();
+    for (const PartIndex part : side) inside[part] = true;
+    for (const PartIndex part : side) {
+      for (const ConnectionIndex c : at_part[part]) {
+        if (step_of[c] == t) continue;
+        const auto& [first, second] = problem.ends(c);
+        if (!inside[first] || !inside[second]) {
+          add(step_of[c], t);
+        } else if (first == part && steps[step_of[c]].separates) {
+          add(t, step_of[c]);
+        }
+      }
+    }
+    for (const PartIndex part : side) inside[part] = false;
+  }
+  return pairs;
 }
 
 /// Of the pairs, which lead from earlier to later tasks, those that follow from no others.
@@ -64,7 +105,7 @@ PlanTasks plan_tasks(const WriteRequest& request) {
   const Problem& problem = request.problem;
   const std::vector<Step>& steps = request.plan->steps;
   PlanTasks result;
-  const std::vector<OrderedPair> order = order_with_cuts(request, result.order_notes);
+  const std::vector<OrderedPair> order = order_with_moves(request, result.order_notes);
   std::vector<std::size_t> task_of(steps.size());
   for (const Operation& operation : operations(steps, problem.direction())) {
     PlanTask task{.steps = operation};
