@@ -4,25 +4,24 @@
 // Whatever they are, each reader accepts them or refuses them in one sentence. What one accepts is
 // a problem that Problem's constructor takes, with notes of one sentence each, and that comes back
 // from GraphML as it went, or is refused there in one sentence.
+#include "orasp/io/formats.h"
+
 #include <optional>
 
 #include "fuzz/property.h"
-#include "orasp/io/formats.h"
 #include "orasp/io/problem_json.h"
 
 namespace orasp::fuzz {
 namespace {
 
 void check(std::string_view text, const Format& format) {
-  const std::optional<Converted> read =
-      accepted([&] { return read_format(text, format.name); });
+  const std::optional<Converted> read = accepted([&] { return read_format(text, format.name); });
   if (!read) return;
   for (const std::string& note : read->notes)
     require(is_one_sentence(note), "a note is one sentence");
   const Problem problem(read->problem);
   if (problem.num_parts() == 0) return;
-  const std::optional<Written> written =
-      accepted([&] { return write_format(problem, "graphml"); });
+  const std::optional<Written> written = accepted([&] { return write_format(problem, "graphml"); });
   if (!written) return;
   const Problem again(read_format(written->text, "graphml").problem);
   require(problem_digest(again) == problem_digest(problem) || !written->notes.empty(),

@@ -197,7 +197,8 @@ CommandWork convert_command(CommandLine& line) {
       "The plan to write, as for `orasp evaluate`; it must be valid (default: what the method "
       "auto finds, where the format needs a plan).",
       options.plan);
-  line.flag("--list", options.list, "List the formats with their limits, and convert nothing.");
+  line.flag("--list", options.list,
+            "List the formats with their limits instead (default: convert).");
   line.group("Limits");
   line.real("--time-limit", "SECONDS", "Search so long for a plan (default: none).",
             options.limits.time_limit, Sign::Positive);

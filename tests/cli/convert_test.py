@@ -31,8 +31,6 @@ try:
 except ImportError:
     etree = None
 
-warnings.filterwarnings("ignore", category=PendingDeprecationWarning)  # networkx says that pydot is hardly kept up
-
 FORMATS = ROOT / "examples/formats"
 needs_networkx = unittest.skipUnless(networkx, "the module networkx is missing (Debian: python3-networkx)")
 needs_pydot = unittest.skipUnless(networkx and pydot, "the module pydot is missing (Debian: python3-pydot)")
@@ -111,6 +109,13 @@ def plans_of(domain_text, problem_text):
         return sum(ways(state | {effect}) for _, condition, effect in actions if holds(condition, state))
 
     return ways(frozenset(tuple(fact) for fact in section(problem, ":init"))), [name for name, _, _ in actions]
+
+
+def read_dot(file):
+    """A graph of networkx, read by pydot."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PendingDeprecationWarning)  # that pydot is hardly kept up
+        return networkx.nx_pydot.read_dot(file)
 
 
 class Convert(Case):
@@ -289,7 +294,7 @@ class Convert(Case):
                           "connections": [{"parts": ["x y", "2;"]}, {"id": "strict", "parts": ["2;", "ü"], "duration": 2}]})
         for source, nodes, edges in [(self.file("odd.json", odd), 3, 2), ("hubble", 11, None)]:
             self.converted(source, "p.dot")
-            graph = networkx.nx_pydot.read_dot(self.folder / "p.dot")
+            graph = read_dot(self.folder / "p.dot")
             with self.subTest(source=source):
                 self.assertFalse(graph.is_directed())
                 problem = json.loads(orasp("convert", source, "-o", "-", "--to", "orasp").out)
@@ -371,7 +376,7 @@ class Convert(Case):
                 self.assertEqual(sorted((int(a), int(b)) for a, b in graph.edges), sorted(map(tuple, plan["order"])))
             if pydot:
                 self.converted(problem, "order.dot", "--to", "order-dot", "--plan", file)
-                drawn = networkx.nx_pydot.read_dot(self.folder / "order.dot")
+                drawn = read_dot(self.folder / "order.dot")
                 self.assertEqual(sorted((int(a.strip('"')), int(b.strip('"'))) for a, b, _ in drawn.edges), sorted(map(tuple, plan["order"])))
 
     def test_the_steps_of_a_plan_as_a_table(self):

@@ -135,6 +135,17 @@ TEST(Formats, SayWhereTextsAreNoTexts) {
     EXPECT_EQ(fault("", name), "the file is empty") << name;
 }
 
+TEST(Formats, SayHowManyCommentsOfAProblemFileAreLeftOut) {
+  const std::string text = R"({"format": "orasp-problem/1", "note": "kept", "x-a": {"note": "b"},
+    "parts": [{"id": "1", "note": "n", "numbers": {"note": 3}}], "connections": []})";
+  const Converted converted = read_format(text, "orasp");
+  EXPECT_EQ(converted.problem.note, "kept");
+  EXPECT_EQ(converted.notes,
+            std::vector<std::string>{
+                "comments are left out (2 notes, sources or x- keys inside of the file)"});
+  EXPECT_TRUE(read_format(problem_text(load_scenario("hubble")), "orasp").notes.empty());
+}
+
 // -------------------------------------------------------------------------------------------------
 // GraphML
 
@@ -182,16 +193,19 @@ TEST(Graphml, BringsBackRandomProblemsOfTheWiderWorld) {
 TEST(Graphml, BringsBackWhatNodesAndEdgesHaveNoPlaceFor) {
   const Problem problem = parse_problem(R"({"format": "orasp-problem/1", "name": "a \"b\" <c> & d",
     "note": "two\nlines", "source": "x",
-    "parts": [{"id": "a<&>\"'", "name": " \tn ", "position": [0, 0.1, -0], "numbers": {"value": 1e-300}},
+    "parts": [{"id": "a<&>\"'", "name": " \tn ", "position": [0, 0.1, -0],
+               "numbers": {"value": 1e-300}},
               {"id": "b"}, {"id": "ü", "mass": 0}],
-    "connections": [{"parts": ["a<&>\"'", "b"], "attributes": {"tool": " ", "e": ""}, "numbers": {"w": 0.1}},
+    "connections": [{"parts": ["a<&>\"'", "b"], "attributes": {"tool": " ", "e": ""},
+                     "numbers": {"w": 0.1}},
                     {"id": "2", "parts": ["b", "ü"], "position": [1, 2, 3], "duration": 0},
                     {"id": "loop", "parts": ["b", "b"]}],
     "precedence": [{"connection": "2", "after_any": ["loop"]}],
     "blocking": {"directions": ["+x", "-x", {"id": "s", "vector": [1, 1, 0]}],
                  "blocked": [{"part": "b", "by": "ü", "directions": ["-s"]}]},
     "limits": {"max_moved_parts": 2, "grounded": true}, "base": ["b"],
-    "objective": {"type": "sum", "terms": [{"type": "changeover", "attribute": "tool", "weight": 2}]},
+    "objective": {"type": "sum", "terms": [{"type": "changeover", "attribute": "tool",
+                                             "weight": 2}]},
     "geometry": {"file": "x.glb"}, "goal": {"free": ["ü"]}})");
   expect_same_after_graphml(problem.spec(), "all keys");
 }
@@ -423,6 +437,7 @@ TEST(In2, NeedsNoEndMarkAndTakesLinesOfDos) {
 
 TEST(In2, SaysInWhichLineAFaultStands) {
   const std::vector<std::array<std::string, 2>> cases = {
+      {"\n\x1A", "the file is empty"},
       {"0\n", "line 1: \"0\" is not a number of tasks, a whole number from 1 to 16383"},
       {"x\n", "line 1: \"x\" is not a number of tasks, a whole number from 1 to 16383"},
       {"99999\n", "line 1: \"99999\" is not a number of tasks, a whole number from 1 to 16383"},
@@ -452,6 +467,13 @@ TEST(Pycaalp, MakesJointsOneAtATimeAndCountsChangesOfTechnology) {
   // tl and bl by MAG, then tr and br as rivets: one change, and only one piece at a time.
   EXPECT_EQ(solve(frame, "value-iteration").reward, -1);
   EXPECT_EQ(read(example("pair_pycaalp.json"), "pycaalp").objective().type, "time");
+  // Names are anything, also what is a comment in a problem file.
+  EXPECT_EQ(read(
+                R"({"parts": {"x-rail": {}, "note": {}},
+                     "joints": {"x-j": {"parts": ["x-rail", "note"]}}})",
+                "pycaalp")
+                .connection_id(0),
+            "x-j");
 }
 
 TEST(Pycaalp, SaysWhereAFaultStands) {
@@ -821,7 +843,8 @@ TEST(BehaviorTree, RefusesIdsThatMeanSomethingElseInAPort) {
 TEST(Tables, WriteALineForEachPartConnectionAndStep) {
   const Problem problem =
       parse_problem(R"({"format": "orasp-problem/1", "name": "n", "base": ["a,1"],
-    "parts": [{"id": "a,1", "name": "say \"a\"", "position": [0, 1, 2]}, {"id": "b", "numbers": {"v": 2.5}}],
+    "parts": [{"id": "a,1", "name": "say \"a\"", "position": [0, 1, 2]},
+              {"id": "b", "numbers": {"v": 2.5}}],
     "connections": [{"parts": ["a,1", "b"], "duration": 3, "attributes": {"tool": "M4"}}],
     "precedence": [], "objective": {"type": "time", "transfer": 0}})");
   EXPECT_EQ(

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "orasp/io/detail/json_document.h"
+#include "orasp/io/detail/json_members.h"
 #include "orasp/io/detail/problem_spec_text.h"
 #include "orasp/io/formats/behavior_tree.h"
 #include "orasp/io/formats/dot.h"
@@ -31,8 +32,29 @@ namespace {
 
 using detail::in_quotes;
 
+/// How many comments there are below `value`: notes, sources, keys of other programs.
+std::size_t comments_in(detail::JsonValue value) {
+  std::size_t count = 0;
+  if (!value.is(detail::JsonKind::Object) && !value.is(detail::JsonKind::Array)) return count;
+  value.for_each([&](detail::JsonValue member) {
+    const bool comment = value.is(detail::JsonKind::Object) && detail::is_comment(member);
+    count += comment ? 1 : comments_in(member);
+  });
+  return count;
+}
+
 Converted read_own(std::string_view text) {
-  return {.problem = detail::parse_problem_spec(text)};
+  Converted converted{.problem = detail::parse_problem_spec(text)};
+  const detail::JsonDocument document = detail::JsonDocument::parse(text);
+  const std::size_t kept = static_cast<std::size_t>(!converted.problem.note.empty()) +
+                           static_cast<std::size_t>(!converted.problem.source.empty());
+  const std::size_t left_out = comments_in(document.root()) - kept;
+  if (left_out > 0) {
+    converted.notes.push_back(fmt::format(
+        "comments are left out ({} note{}, source{} or x- key{} inside of the file)", left_out,
+        left_out == 1 ? "" : "s", left_out == 1 ? "" : "s", left_out == 1 ? "" : "s"));
+  }
+  return converted;
 }
 
 Written write_own(const WriteRequest& request) {
@@ -43,7 +65,8 @@ constexpr auto kFormats = std::to_array<Format>({
     {.name = "orasp",
      .endings = ".json",
      .summary = "a problem file of orasp",
-     .limits = "notes and x- keys inside of parts and connections are not kept",
+     .limits =
+         "notes, sources and x- keys inside of parts, connections and constraints are left out",
      .read = read_own,
      .write = write_own},
     {.name = "graphml",

@@ -40,8 +40,8 @@ struct Format {
 [[nodiscard]] const Format& format_of_input(std::string_view file, std::string_view text);
 
 /// The format of an output file by its ending; of "-", standard output, that of problem files.
-/// Where an ending is that of a problem and of plans, it means the problem. @throws InputError with one sentence that lists the
-/// formats where several or none have it.
+/// Where an ending is that of a problem and of plans, it means the problem.
+/// @throws InputError with one sentence that lists the formats where several or none have it.
 [[nodiscard]] const Format& format_of_output(std::string_view file);
 
 /// Reads a problem from the text of a file. What Problem's constructor would refuse is refused.

@@ -56,6 +56,7 @@ std::string task_id(std::size_t task) {
 
 Converted read_in2(std::string_view text) {
   const std::vector<Line> lines = lines_of(detail::checked_text(text));
+  if (lines.empty()) throw InputError("the file is empty");
   const std::size_t tasks =
       whole_number(lines.front(), lines.front().text, "a number of tasks", 1, kMaxParts - 1);
   Converted converted;

@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -138,7 +139,7 @@ class MjcfReader {
     if (id.empty()) id = fmt::format("body {}", index + 1);
     if (const auto fault = detail::id_fault(id))
       throw InputError(fmt::format("{}: the name {}", document_.place(body), *fault));
-    if (std::ranges::find(parts, id, &Part::id) != parts.end()) {
+    if (!ids_.insert(id).second) {
       throw InputError(
           fmt::format("{}: the body {} is there already", document_.place(body), in_quotes(id)));
     }
@@ -249,6 +250,7 @@ class MjcfReader {
 
   detail::XmlDocument document_;
   Converted converted_;
+  std::unordered_set<std::string> ids_;
   std::unordered_map<std::string, std::size_t> part_of_body_;
   std::unordered_map<std::string, std::size_t> part_of_site_;
   std::set<std::pair<std::size_t, std::size_t>> pairs_;

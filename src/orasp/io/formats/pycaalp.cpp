@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -69,9 +71,8 @@ auto read_members(JsonValue value, const Place& place, std::size_t most, Read&& 
   std::vector<decltype(read(value, place))> all;
   if (value.size() > most)
     detail::fail(place, fmt::format("more than {}, the most there may be", most));
-  value.for_each([&](JsonValue member) {
-    if (!detail::is_comment(member)) all.push_back(read(member, Place(place, member.key())));
-  });
+  value.for_each(
+      [&](JsonValue member) { all.push_back(read(member, Place(place, member.key()))); });
   return all;
 }
 
@@ -93,9 +94,11 @@ Converted read_pycaalp(std::string_view text) {
   problem.connections = members.read_required("joints", [](JsonValue value, const Place& place) {
     return read_members(value, place, kMaxConnections, read_joint);
   });
+  std::unordered_set<std::string> ids;
+  for (const Part& part : problem.parts) ids.insert(part.id);
   for (const Connection& joint : problem.connections) {
     for (const std::string& part : joint.parts) {
-      if (std::ranges::find(problem.parts, part, &Part::id) != problem.parts.end()) continue;
+      if (ids.contains(part)) continue;
       const Place joints(top, "joints");
       const Place here(joints, joint.id);
       detail::fail(Place(here, "parts"), "there is no part " + detail::in_quotes(part));

@@ -28,8 +28,8 @@ struct PlanTasks {
   [[nodiscard]] std::vector<std::string> all_notes() const;
 };
 
-/// What of the order of the steps keeps the plan legal (explain/plan_order.h). Where only the plan's
-/// own order is known to do so, each step waits for the one before it, and `notes` says so.
+/// What of the order of the steps keeps the plan legal (explain/plan_order.h). Where only the
+/// plan's own order is known to do so, each step waits for the one before it, and `notes` says so.
 [[nodiscard]] std::vector<OrderedPair> step_order(const WriteRequest& request,
                                                   std::vector<std::string>& notes);
 
