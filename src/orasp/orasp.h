@@ -82,6 +82,7 @@
 #include "orasp/graph/state_index.h"
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/fleet_plan_json.h"
+#include "orasp/io/formats.h"
 #include "orasp/io/import_files.h"
 #include "orasp/io/model_files.h"
 #include "orasp/io/plan_json.h"

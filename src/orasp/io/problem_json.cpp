@@ -20,6 +20,7 @@
 #include "orasp/io/detail/json_members.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/detail/objective_members.h"
+#include "orasp/io/detail/problem_spec_text.h"
 #include "orasp/io/digest.h"
 #include "orasp/io/formula_parser.h"
 #include "orasp/model/detail/wording.h"
@@ -595,14 +596,15 @@ std::string file_bytes(const std::filesystem::path& file) {
 
 }  // namespace
 
-Problem parse_problem(std::string_view json) {
-  constexpr auto kLimits = std::to_array<detail::JsonDocument::ArrayLimit>(
+ProblemSpec detail::parse_problem_spec(std::string_view json) {
+  constexpr auto kLimits = std::to_array<JsonDocument::ArrayLimit>(
       {{"parts", kMaxParts}, {"connections", kMaxConnections}});
-  ProblemSpec spec = [&] {
-    const detail::JsonDocument document = detail::JsonDocument::parse(json, kLimits);
-    return read_spec(document.root());
-  }();
-  return Problem(std::move(spec));
+  const JsonDocument document = JsonDocument::parse(json, kLimits);
+  return read_spec(document.root());
+}
+
+Problem parse_problem(std::string_view json) {
+  return Problem(detail::parse_problem_spec(json));
 }
 
 Problem read_problem(const std::filesystem::path& file) {
@@ -614,7 +616,10 @@ Problem read_problem(const std::filesystem::path& file) {
 }
 
 std::string problem_text(const Problem& problem) {
-  const ProblemSpec& spec = problem.spec();
+  return detail::problem_spec_text(problem.spec());
+}
+
+std::string detail::problem_spec_text(const ProblemSpec& spec) {
   if (!detail::has_text(spec.objective)) {
     throw InputError(
         "objective: a callable is code and cannot be written to a file; use \"expression\"");
