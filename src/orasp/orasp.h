@@ -92,6 +92,7 @@
 #include "orasp/learning/environment.h"
 #include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
+#include "orasp/learning/vector_environment.h"
 #include "orasp/mip/mip.h"
 #include "orasp/model/operations.h"
 #include "orasp/model/plan_check.h"
