@@ -293,11 +293,11 @@ void VectorEnvironment::note_best(std::size_t episode) {
   best_actions_.assign(first, first + lengths_[episode]);
 }
 
-void VectorEnvironment::sample(std::span<std::int64_t> actions) {
+void VectorEnvironment::sample(std::span<std::int64_t> actions, SplitMix64& random) const {
   require_size(actions.size(), size(), "actions");
   for (std::size_t i = 0; i < size(); ++i) {
     const auto legal = cache_->transitions(expansions_[i]);
-    actions[i] = legal.empty() ? 0 : std::int64_t{legal[random_.below(legal.size())].column};
+    actions[i] = legal.empty() ? 0 : std::int64_t{legal[random.below(legal.size())].column};
   }
 }
 

@@ -136,7 +136,9 @@ class VectorEnvironment {
 
   /// Draws a legal action for each episode, each equally likely; 0 where none is. `actions` is of
   /// shape [episodes].
-  void sample(std::span<std::int64_t> actions);
+  void sample(std::span<std::int64_t> actions) { sample(actions, random_); }
+  /// The same by numbers of the caller.
+  void sample(std::span<std::int64_t> actions, SplitMix64& random) const;
   void seed(std::uint64_t seed) { random_ = SplitMix64(seed); }
 
   // One episode.

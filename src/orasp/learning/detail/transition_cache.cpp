@@ -76,13 +76,22 @@ void TransitionCache::expand() {
   std::vector<std::uint32_t> wanted = std::exchange(wanted_, {});
   std::ranges::sort(wanted);
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  batch_.clear();
-  for (const std::uint32_t number : wanted) {
-    const SetView key = state(number);
-    batch_.insert(batch_.end(), key.begin(), key.end());
+  if (system_.wide()) {
+    // Where an action leads is known until the next state is expanded.
+    for (const std::uint32_t number : wanted) {
+      batch_.assign(state(number).begin(), state(number).end());
+      remember(number, expander_.legal_actions(batch_));
+    }
+  } else {
+    batch_.clear();
+    for (const std::uint32_t number : wanted) {
+      const SetView key = state(number);
+      batch_.insert(batch_.end(), key.begin(), key.end());
+    }
+    expander_.for_each_expansion(batch_, [&](std::size_t i, std::span<const Action> legal) {
+      remember(wanted[i], legal);
+    });
   }
-  expander_.for_each_expansion(
-      batch_, [&](std::size_t i, std::span<const Action> legal) { remember(wanted[i], legal); });
   wanted.clear();
   wanted_ = std::move(wanted);  // keeps its memory
 }
@@ -92,11 +101,9 @@ void TransitionCache::remember(std::uint32_t from, std::span<const Action> legal
   // A state that ends a plan has no actions, whatever the Expander says of what is still there.
   if (system_.ends(state(from))) legal = {};
   if (system_.wide()) {
-    std::vector<std::uint64_t> here(words_);
-    std::ranges::copy(state(from), here.begin());
     scratch_.resize(words_);
     for (const Action& action : legal) {
-      expander_.successor(here, action, scratch_);
+      expander_.successor(batch_, action, scratch_);
       transitions_.push_back(
           {action.reward, columns_.column(expander_.plan_step(action)), number(scratch_)});
     }
