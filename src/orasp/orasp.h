@@ -86,6 +86,7 @@
 #include "orasp/io/model_files.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
+#include "orasp/io/problem_source.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/learning/dqn.h"
