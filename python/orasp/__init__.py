@@ -3,5 +3,6 @@
 from orasp._orasp import InputError
 from orasp._problem import Problem, load
 from orasp._solve import Result, solve
+from orasp.environment import Environment, VectorEnvironment
 
-__all__ = ["InputError", "Problem", "Result", "load", "solve"]
+__all__ = ["Environment", "InputError", "Problem", "Result", "VectorEnvironment", "load", "solve"]

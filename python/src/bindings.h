@@ -9,5 +9,6 @@ namespace orasp::python {
 
 void bind_problem(pybind11::module_& module);
 void bind_solve(pybind11::module_& module);
+void bind_environment(pybind11::module_& module);
 
 }  // namespace orasp::python

@@ -16,4 +16,5 @@ PYBIND11_MODULE(_orasp, module) {
       "it stands and what was allowed; it is that of the command line.";
   orasp::python::bind_problem(module);
   orasp::python::bind_solve(module);
+  orasp::python::bind_environment(module);
 }
