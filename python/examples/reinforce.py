@@ -3,7 +3,7 @@
 
     PYTHONPATH=build/release/python python3 python/examples/reinforce.py [PROBLEM [ROUNDS]]
 
-A network with one hidden layer says how likely each legal action is. In each round a thousand episodes are played by it, and
+A network with one hidden layer says how likely each legal action is. In each round some hundred episodes are played by it, and
 its weights are moved so that actions after which more was earned than usual become likelier. Usual is the mean of the states
 of the round with as many ones in what is observed. A bonus for undecidedness, less of it each round, keeps it trying.
 """
@@ -20,7 +20,7 @@ import orasp
 
 Floats = npt.NDArray[np.float32]
 
-EPISODES, HIDDEN, RATE, UNDECIDED, DEAD_END = 512, 128, 3e-3, 0.03, -5.0
+EPISODES, HIDDEN, RATE, UNDECIDED, DEAD_END = 512, 128, 1e-3, 0.1, -5.0
 
 
 class Policy:
@@ -107,5 +107,5 @@ def learn(problem: str, rounds: int, seed: int = 1, goal: Optional[float] = None
 
 if __name__ == "__main__":
     name = sys.argv[1] if len(sys.argv) > 1 else "hubble"
-    trained = learn(name, int(sys.argv[2]) if len(sys.argv) > 2 else 150)
+    trained = learn(name, int(sys.argv[2]) if len(sys.argv) > 2 else 100)
     print(trained.best_reward, *(trained.best_plan or []))

@@ -27,8 +27,9 @@ def picture(
     for kind, colour, width in ((~there & ~legal, GONE, 1.0), (there & ~legal, THERE, 1.5), (legal, LEGAL, 2.5)):
         for first, second in ends[kind]:
             _line(image, places[first], places[second], width, colour)
+    radius = max(1.5, min(5.0, 200 / max(1, len(places))))
     for place in places:
-        _line(image, place, place, 5.0, PART)
+        _line(image, place, place, radius, PART)
     return image
 
 

@@ -436,7 +436,7 @@ class Learning(unittest.TestCase):
         assert loaded is not None and loaded.loader is not None
         reinforce = importlib.util.module_from_spec(loaded)
         loaded.loader.exec_module(reinforce)
-        environment = reinforce.learn("hubble", 150, seed=1, goal=HUBBLE)
+        environment = reinforce.learn("hubble", 60, seed=1, goal=HUBBLE)
         self.assertAlmostEqual(environment.best_reward, HUBBLE, places=9)
         evaluation = orasp.evaluate("hubble", environment.best_plan)
         self.assertTrue(evaluation.valid)
