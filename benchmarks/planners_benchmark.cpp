@@ -83,6 +83,8 @@ BENCHMARK_CAPTURE(step_episodes, hubble, "hubble", 190)
     ->Arg(1)
     ->Arg(1024)
     ->Unit(benchmark::kMillisecond);
+// The first steps, of which every state is remembered; then to the end, where memory does not suffice.
+BENCHMARK_CAPTURE(step_episodes, jwst_first, "jwst", 64)->Arg(1024)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(step_episodes, jwst, "jwst", 256)->Arg(1024)->Unit(benchmark::kMillisecond);
 
 orasp::Budget budget_with(std::int64_t threads) {

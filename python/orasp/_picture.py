@@ -24,12 +24,12 @@ def picture(
     """
     image = np.full((HEIGHT, WIDTH, 3), BACKGROUND, np.uint8)
     places = _places(positions)
+    scale = max(0.3, min(1.0, 40 / max(1, len(places))))
     for kind, colour, width in ((~there & ~legal, GONE, 1.0), (there & ~legal, THERE, 1.5), (legal, LEGAL, 2.5)):
         for first, second in ends[kind]:
-            _line(image, places[first], places[second], width, colour)
-    radius = max(1.5, min(5.0, 200 / max(1, len(places))))
+            _line(image, places[first], places[second], width * scale, colour)
     for place in places:
-        _line(image, place, place, radius, PART)
+        _line(image, place, place, 5 * scale, PART)
     return image
 
 

@@ -33,14 +33,15 @@ that it is.
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from orasp import _orasp
-from orasp._problem import Problem, load
 from orasp._orasp import InputError
+from orasp._problem import Problem, load
 
 if TYPE_CHECKING:
     from orasp.spaces import Box, Discrete, MultiDiscrete
@@ -86,13 +87,18 @@ class _Base:
     def __enter__(self) -> Any:
         return self
 
-    def __exit__(self, *error: object) -> bool:
+    def __exit__(self, *error: object) -> None:
         self.close()
-        return False
 
 
 if TYPE_CHECKING:
-    _Env = _VectorEnv = _Base
+
+    class _Env(_Base):
+        pass
+
+    class _VectorEnv(_Base):
+        pass
+
 else:
     try:
         from gymnasium import Env as _Env
@@ -150,7 +156,7 @@ class _Arrays:
         shape = (episodes, made.observation_size)
         self.observations = np.zeros(shape, dtype)
         self.final_observations = np.zeros(shape, dtype)
-        self.masks = np.zeros((episodes, made.num_actions), np.int8)
+        self.masks: npt.NDArray[np.int8] = np.zeros((episodes, made.num_actions), np.int8)
         self.rewards = np.zeros(episodes, np.float64)
         self.terminated = np.zeros(episodes, np.bool_)
         self.truncated = np.zeros(episodes, np.bool_)
@@ -239,8 +245,8 @@ class Environment(_Env):
         self._arrays = _Arrays(problem, 1, "off", observation_dtype, max_bytes)
         self._made = self._arrays.made
         self._over = False
-        self._observation = self._arrays.observations[0]
-        self._mask = self._arrays.masks[0]
+        self._observation: npt.NDArray[Any] = self._arrays.observations[0]
+        self._mask: npt.NDArray[np.int8] = self._arrays.masks[0]
         self.observation_space = Box(0, 1, self._observation.shape, observation_dtype)
         self.action_space = _LegalActions(self._made.num_actions, lambda: self._mask)
 
@@ -533,10 +539,6 @@ class VectorEnvironment(_VectorEnv):
 
 def _autoreset_mode(autoreset: str) -> Any:
     """The name as Gymnasium has it, where it is installed and has one."""
-    if TYPE_CHECKING:
-        return autoreset
-    try:
-        from gymnasium.vector import AutoresetMode
-    except (ModuleNotFoundError, ImportError):
-        return autoreset
-    return AutoresetMode[autoreset.upper()]
+    vector = sys.modules.get("gymnasium.vector")
+    modes = getattr(vector, "AutoresetMode", None)
+    return autoreset if modes is None else modes[autoreset.upper()]

@@ -81,7 +81,8 @@ class Box(Space):
         """An array of which each number is equally likely anywhere between its bounds."""
         if self.dtype.kind == "f":
             return self.np_random.uniform(self.low, self.high, self.shape).astype(self.dtype)
-        return self.np_random.integers(self.low, self.high, self.shape, self.dtype.type, endpoint=True)
+        whole = self.np_random.integers(self.low.astype(np.int64), self.high.astype(np.int64), self.shape, endpoint=True)
+        return whole.astype(self.dtype)
 
     def contains(self, x: Any) -> bool:
         if not isinstance(x, np.ndarray):
