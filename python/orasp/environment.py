@@ -33,6 +33,7 @@ that it is.
 
 from __future__ import annotations
 
+import operator
 import sys
 from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Union
 
@@ -180,12 +181,16 @@ class _Arrays:
         actions = []
         for i, step in enumerate(steps):
             if isinstance(step, str):
-                if step not in self.action_names:
-                    raise InputError(f'done[{i}]: no action "{step}"; action_names lists them')
-                actions.append(self.action_names.index(step))
+                actions.append(self.action_of(step, f"done[{i}]"))
             else:
-                actions.append(int(step))
+                actions.append(_index(step, f"done[{i}]"))
         return actions
+
+    def action_of(self, name: str, place: str) -> int:
+        """The number of an action that is named at `place`."""
+        if name not in self.action_names:
+            raise InputError(f'{place}: no action "{name}"; action_names lists them')
+        return self.action_names.index(name)
 
     def start(self, options: Optional[dict[str, Any]], known: Sequence[str]) -> None:
         """Looks at the options of a reset, and sets where episodes start."""
@@ -195,6 +200,13 @@ class _Arrays:
                 raise InputError(f'options: no "{key}"; there is {" and ".join(known)}')
         if "done" in given:
             self.made.start_after(self.actions_of(given["done"]))
+
+
+def _index(value: Any, place: str) -> int:
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise InputError(f"{place}: {value!r} is no whole number") from None
 
 
 def _checked_seed(seed: Optional[int]) -> Optional[int]:
@@ -267,7 +279,7 @@ class Environment(_Env):
 
     def action_of(self, name: str) -> int:
         """The number of an action of `action_names`."""
-        return self._arrays.actions_of([name])[0]
+        return self._arrays.action_of(name, "action")
 
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
@@ -288,10 +300,7 @@ class Environment(_Env):
 
         Where the plan is ended, `info["plan"]` has its connections in order.
         """
-        try:
-            number = action.__index__()
-        except AttributeError:
-            raise InputError(f"action: {action!r} is no whole number") from None
+        number = _index(action, "action")
         if self._over:
             raise InputError("the episode is over; reset the environment before its next step")
         if not 0 <= number < self._mask.shape[0] or not self._mask[number]:
@@ -485,6 +494,10 @@ class VectorEnvironment(_VectorEnv):
         if not self._seeded:
             self._seed()
         drawn = np.empty(self.num_envs, np.int64) if out is None else out
+        if drawn.shape != (self.num_envs,) or drawn.dtype != np.int64 or not drawn.flags.c_contiguous:
+            raise InputError(
+                f"out: an array of {drawn.dtype} {list(drawn.shape)} is given, int64 [{self.num_envs}] in one piece is needed"
+            )
         self._made.sample(drawn)
         return drawn
 

@@ -88,9 +88,8 @@ void TransitionCache::expand() {
       const SetView key = state(number);
       batch_.insert(batch_.end(), key.begin(), key.end());
     }
-    expander_.for_each_expansion(batch_, [&](std::size_t i, std::span<const Action> legal) {
-      remember(wanted[i], legal);
-    });
+    expander_.for_each_expansion(
+        batch_, [&](std::size_t i, std::span<const Action> legal) { remember(wanted[i], legal); });
   }
   wanted.clear();
   wanted_ = std::move(wanted);  // keeps its memory
