@@ -43,7 +43,7 @@ BENCHMARK_CAPTURE(ask_policy, iss, "iss-upc");
 BENCHMARK_CAPTURE(ask_policy, jwst, "jwst-upc");
 
 /// Random episodes side by side, with masks and observations. The actions were drawn in a first
-/// round, so what is measured finds the states that it comes to remembered, as far as memory allows.
+/// round, so that what is measured finds its states remembered, as far as memory allows.
 void step_episodes(benchmark::State& state, const std::string& name, std::size_t rounds) {
   const orasp::Problem problem = orasp::load_scenario(name);
   const orasp::TransitionSystem system(problem);
@@ -83,7 +83,7 @@ BENCHMARK_CAPTURE(step_episodes, hubble, "hubble", 190)
     ->Arg(1)
     ->Arg(1024)
     ->Unit(benchmark::kMillisecond);
-// The first steps, of which every state is remembered; then to the end, where memory does not suffice.
+// The first steps, whose states are all remembered; then to the end, where memory does not suffice.
 BENCHMARK_CAPTURE(step_episodes, jwst_first, "jwst", 64)->Arg(1024)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(step_episodes, jwst, "jwst", 256)->Arg(1024)->Unit(benchmark::kMillisecond);
 

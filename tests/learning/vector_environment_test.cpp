@@ -296,6 +296,8 @@ TEST(VectorEnvironment, StartsWhereItIsTold) {
   EXPECT_EQ(world.lengths[0], 15);
   const Evaluation whole = evaluate(system, world.environment.best()->plan);
   EXPECT_TRUE(whole.valid);
+  world.environment.start_after({});
+  EXPECT_FALSE(world.environment.best().has_value()) << "it was of another start";
   EXPECT_EQ(message_of([&] {
               world.environment.start_after(std::vector<std::int64_t>{first[0], first[0]});
             }).substr(0, 22),

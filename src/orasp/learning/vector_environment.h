@@ -62,7 +62,7 @@ struct EpisodeBuffers {
 ///            once.
 /// Idea.      A cache, filled as states are met and shared by all episodes, remembers the legal
 ///            actions of a state, what they earn, and where they lead. A step is then a look-up.
-///            All of it comes from the TransitionSystem by its Expander; nothing is worked out here.
+///            All of it comes from the TransitionSystem by its Expander, nothing from here.
 /// Reference. The paper's Markov decision process; the interface is that of Gymnasium's vectorised
 ///            environments (Towers et al. 2024, arXiv:2407.17032).
 ///

@@ -14,9 +14,9 @@ namespace orasp::detail {
 
 /// The steps of a problem as numbers from 0, the same in every state: its *columns*. Column c is to
 /// handle connection c. Where the objective looks at the direction in which a piece leaves
-/// (`changeover` of `direction`), each connection has 1 + directions columns: the first where nothing
-/// moves, then one for each direction of Problem::directions(). Where a plan may end before nothing
-/// is left (Goal::Stop::Best), the last column is to end it.
+/// (`changeover` of `direction`), each connection has 1 + directions columns: the first where
+/// nothing moves, then one for each direction of Problem::directions(). Where a plan may end before
+/// nothing is left (Goal::Stop::Best), the last column is to end it.
 class ActionColumns {
  public:
   /// @throws InputError where steps take parts off: these are too many to be numbered.
@@ -59,8 +59,8 @@ class TransitionCache {
   void want(std::uint32_t number) {
     if (expansion_[number] == kUnknown) wanted_.push_back(number);
   }
-  /// Expands the states that are wanted, together. @throws what Expander::legal_actions throws; then
-  /// those that were not expanded are as if they had not been wanted.
+  /// Expands the states that are wanted, together. @throws what Expander::legal_actions throws;
+  /// then those that were not expanded are as if they had not been wanted.
   void expand();
 
   // Of states that were expanded.
