@@ -152,15 +152,7 @@ PolicyFile read_policy(const std::string& file, const Problem& problem) {
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", spoken(file), error.what()));
   }
-  const std::string digest = problem_digest(problem);
-  if (policy.problem_digest != digest) {
-    throw InputError(fmt::format(
-        "{} was trained on another problem than this one: on {} with digest {}..., not on {} with "
-        "{}..., objective, limits and "
-        "direction included",
-        spoken(file), in_quotes(policy.problem_name), policy.problem_digest.substr(0, 12),
-        in_quotes(problem.name()), digest.substr(0, 12)));
-  }
+  require_trained_on(problem, policy, spoken(file));
   return policy;
 }
 

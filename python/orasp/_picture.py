@@ -17,7 +17,7 @@ def picture(
 ) -> npt.NDArray[np.uint8]:
     """Draws parts as dots and connections as lines.
 
-    `positions` is float64 [parts, 3], `ends` int64 [connections, 2], the parts of each; `there` and `legal` are bool
+    ``positions`` is float64 [parts, 3], ``ends`` int64 [connections, 2], the parts of each; ``there`` and ``legal`` are bool
     [connections]: grey where a connection is there, pale where it is not, orange where it may be handled next. The picture is
     uint8 [480, 640, 3]. Parts stand where their positions are in the plane of the two directions in which these differ most,
     or on a circle where one has none. O(pixels * (parts + connections)) in the worst case.
@@ -61,7 +61,7 @@ def _line(
     width: float,
     colour: tuple[int, int, int],
 ) -> None:
-    """Draws all pixels within `width` of the line from `a` to `b`, the edge smoothed over one pixel."""
+    """Draws all pixels within ``width`` of the line from ``a`` to ``b``, the edge smoothed over one pixel."""
     low = np.maximum(np.floor(np.minimum(a, b) - width - 1), 0).astype(int)
     high = np.minimum(np.ceil(np.maximum(a, b) + width + 2), [WIDTH, HEIGHT]).astype(int)
     x, y = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))

@@ -1,20 +1,20 @@
 """Environments: a problem as reinforcement learning takes it.
 
-`Environment` is one episode with the interface of Gymnasium (https://gymnasium.farama.org), `VectorEnvironment` thousands of
+``Environment`` is one episode with the interface of Gymnasium (https://gymnasium.farama.org), ``VectorEnvironment`` thousands of
 them side by side in NumPy arrays. Which actions are legal, what they earn and where they lead comes from the library's rules;
 nothing is worked out here. Gymnasium need not be installed. Where it is, both are environments of its own classes with spaces
-of its own; else the spaces are those of `orasp.spaces`, which answer the same way.
+of its own; else the spaces are those of ``orasp.spaces``, which answer the same way.
 
 **Actions.** Action c is to handle connection c, in the order of the problem's file: 0 to connections - 1. Where the objective
 looks at the direction in which a piece leaves, each connection has 1 + directions actions, one after another: the first where
-nothing moves, then one a direction. Where a plan may end before nothing is left (a goal with `"stop": "best"`), the last
-action is to end it. `action_names` lists them all.
+nothing moves, then one a direction. Where a plan may end before nothing is left (a goal with ``"stop": "best"``), the last
+action is to end it. ``action_names`` lists them all.
 
 **Observations.** A row of ones and zeros: one column a connection, 1 while it is still to be handled; then, where the objective
 looks at what the step before left behind, one column for each value that may be in force and each place where the last step
-may have been done. So what is observed is the whole state. `observation_names` lists the columns.
+may have been done. So what is observed is the whole state. ``observation_names`` lists the columns.
 
-**Ends.** An episode is `terminated` where its plan is ended, and `truncated` at a dead end, where nothing is legal and
+**Ends.** An episode is ``terminated`` where its plan is ended, and ``truncated`` at a dead end, where nothing is legal and
 connections are left. A dead end earns nothing by itself: a learner that maximises what is earned must count it as the failure
 that it is.
 
@@ -42,7 +42,7 @@ import numpy.typing as npt
 
 from orasp import _orasp
 from orasp._orasp import InputError
-from orasp._problem import Problem, load
+from orasp._problem import Problem, ProblemLike, load
 
 if TYPE_CHECKING:
     from orasp.spaces import Box, Discrete, MultiDiscrete
@@ -109,7 +109,7 @@ else:
 
 
 class _LegalActions(Discrete):
-    """The actions of an environment; without a mask, `sample` draws one that is legal now (0 where none is)."""
+    """The actions of an environment; without a mask, ``sample`` draws one that is legal now (0 where none is)."""
 
     def __init__(self, n: int, legal: Callable[[], npt.NDArray[np.int8]]) -> None:
         super().__init__(n)
@@ -125,7 +125,7 @@ class _LegalActions(Discrete):
 
 
 class _LegalRows(MultiDiscrete):
-    """The actions of many episodes; without a mask, `sample` draws some that are legal now (0 where none is)."""
+    """The actions of many episodes; without a mask, ``sample`` draws some that are legal now (0 where none is)."""
 
     def __init__(self, n: int, episodes: int, draw: Callable[[int], npt.NDArray[np.int64]]) -> None:
         super().__init__(np.full(episodes, n, np.int64))
@@ -144,16 +144,16 @@ class _Arrays:
     """Episodes of the library, and the arrays that they write to."""
 
     def __init__(
-        self, problem: Union[Problem, str], episodes: int, autoreset: str, dtype: npt.DTypeLike, max_bytes: int
+        self, problem: ProblemLike, episodes: int, autoreset: str, dtype: npt.DTypeLike, max_bytes: int
     ) -> None:
-        self.problem = load(problem) if isinstance(problem, str) else problem
+        self.problem = load(problem)
         if isinstance(episodes, bool) or not isinstance(episodes, (int, np.integer)) or episodes < 1:
             raise InputError(f"episodes: {episodes!r} is not a number of episodes, which is at least 1")
         if np.dtype(dtype) not in (np.dtype(np.float32), np.dtype(np.uint8)):
             raise InputError(f"observation_dtype: {np.dtype(dtype)} is none of float32 and uint8")
         if max_bytes < 0:
             raise InputError(f"max_bytes: {max_bytes} is below 0")
-        made = self.made = _orasp.Episodes(self.problem._made, episodes, autoreset, max_bytes)
+        made = self.made = _orasp.Episodes(self.problem._engine(), int(episodes), autoreset, max_bytes)
         shape = (episodes, made.observation_size)
         self.observations = np.zeros(shape, dtype)
         self.final_observations = np.zeros(shape, dtype)
@@ -173,6 +173,8 @@ class _Arrays:
             self.returns,
             self.lengths,
         )
+        self.connection_ids = self.problem.connection_ids
+        self.assembly = self.problem.direction == "assembly"
         self.action_names: list[str] = [made.action_name(a) for a in range(made.num_actions)]
         self.observation_names: list[str] = [made.column_name(c) for c in range(made.observation_size)]
 
@@ -187,7 +189,7 @@ class _Arrays:
         return actions
 
     def action_of(self, name: str, place: str) -> int:
-        """The number of an action that is named at `place`."""
+        """The number of an action that is named at ``place``."""
         if name not in self.action_names:
             raise InputError(f'{place}: no action "{name}"; action_names lists them')
         return self.action_names.index(name)
@@ -216,17 +218,17 @@ def _checked_seed(seed: Optional[int]) -> Optional[int]:
 
 
 class Environment(_Env):
-    """One episode at a time, with the interface of `gymnasium.Env`.
+    """One episode at a time, with the interface of ``gymnasium.Env``.
 
-    `problem` is a problem, the name of one that is built in, or a file. `render_mode` is None, "ansi" or "rgb_array".
-    `observation_dtype` is float32 or uint8. `max_bytes` limits what is remembered of states that were met; beyond it all is
+    ``problem`` is a problem, the name of one that is built in, a file, or what a file says; it is taken as it is now. ``render_mode`` is None, "ansi" or "rgb_array".
+    ``observation_dtype`` is float32 or uint8. ``max_bytes`` limits what is remembered of states that were met; beyond it all is
     forgotten and worked out again.
 
-    `observation_space` is a Box of [0, 1] of shape [observations], `action_space` a Discrete of the actions. The module's page
-    says what the columns and numbers mean. `info["action_mask"]` of `reset` and `step` is int8 [actions]: 1 where an action is
-    legal. `action_space.sample()` draws among the legal ones.
+    ``observation_space`` is a Box of [0, 1] of shape [observations], ``action_space`` a Discrete of the actions. The module's page
+    says what the columns and numbers mean. ``info["action_mask"]`` of ``reset`` and ``step`` is int8 [actions]: 1 where an action is
+    legal. ``action_space.sample()`` draws among the legal ones.
 
-    An action that is not legal is an `InputError` that says why, and changes nothing:
+    An action that is not legal is an ``InputError`` that says why, and changes nothing:
 
     >>> environment = Environment("lattice")
     >>> _ = environment.reset()
@@ -237,7 +239,7 @@ class Environment(_Env):
     ...
     orasp.InputError: action 0: connection "1-2" cannot be handled now: "1-2" was removed before
 
-    Problems whose steps take parts off (`"action": "part"`) are refused: such steps cannot be numbered. Attempts that may fail
+    Problems whose steps take parts off (``"action": "part"``) are refused: such steps cannot be numbered. Attempts that may fail
     succeed here.
     """
 
@@ -245,7 +247,7 @@ class Environment(_Env):
 
     def __init__(
         self,
-        problem: Union[Problem, str],
+        problem: ProblemLike,
         *,
         render_mode: Optional[str] = None,
         observation_dtype: npt.DTypeLike = np.float32,
@@ -278,7 +280,7 @@ class Environment(_Env):
         return self._arrays.observation_names
 
     def action_of(self, name: str) -> int:
-        """The number of an action of `action_names`."""
+        """The number of an action of ``action_names``."""
         return self._arrays.action_of(name, "action")
 
     def reset(
@@ -286,7 +288,7 @@ class Environment(_Env):
     ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
         """Begins an episode, and returns what is observed, [observations], and the info.
 
-        `seed` begins `np_random` anew; nothing that the environment does is random. `options["done"]`, a list of actions by
+        ``seed`` begins ``np_random`` anew; nothing that the environment does is random. ``options["done"]``, a list of actions by
         name or number, has this and later episodes begin after these steps; an empty list, at the start again.
         """
         super().reset(seed=_checked_seed(seed))
@@ -298,7 +300,7 @@ class Environment(_Env):
     def step(self, action: Union[int, np.integer[Any]]) -> tuple[npt.NDArray[Any], float, bool, bool, dict[str, Any]]:
         """Takes an action, and returns what is observed, what was earned, terminated, truncated and the info.
 
-        Where the plan is ended, `info["plan"]` has its connections in order.
+        Where the plan is ended, ``info["plan"]`` has its connections in order.
         """
         number = _index(action, "action")
         if self._over:
@@ -321,7 +323,7 @@ class Environment(_Env):
 
     @property
     def directions(self) -> list[Optional[str]]:
-        """The directions that its actions chose, one for each of `plan`; None where actions have none."""
+        """The directions that its actions chose, one for each of ``plan``; None where actions have none."""
         directions: list[Optional[str]] = self._made.plan(0)[1]
         return directions
 
@@ -356,25 +358,20 @@ class Environment(_Env):
         positions, ends = self._made.layout()
         ways = max(1, self._mask.shape[0] // max(1, len(ends)))
         legal = self._mask[: ways * len(ends)].reshape(len(ends), ways).any(axis=1)
-        left = np.isin(self._connection_ids(), self._made.open(0))
-        assembly = self.problem._made.direction == "assembly"
-        return picture(positions, ends, left != assembly, legal)
-
-    def _connection_ids(self) -> list[str]:
-        ids: list[str] = self.problem._made.connection_ids
-        return ids
+        left = np.isin(self._arrays.connection_ids, self._made.open(0))
+        return picture(positions, ends, left != self._arrays.assembly, legal)
 
 
 class VectorEnvironment(_VectorEnv):
-    """Thousands of episodes side by side, with the interface of `gymnasium.vector.VectorEnv`.
+    """Thousands of episodes side by side, with the interface of ``gymnasium.vector.VectorEnv``.
 
-    `autoreset` says what becomes of an episode that is over: "same_step" begins the next one in the step that ends it, so that
-    what is observed is its start, and the end stands in `info["final_obs"]`; "next_step" begins it in the next step, whatever
-    the action is, which earns 0; "disabled" leaves it until `reset(options={"reset_mask": ...})`. The other parameters are
-    those of `Environment`.
+    ``autoreset`` says what becomes of an episode that is over: "same_step" begins the next one in the step that ends it, so that
+    what is observed is its start, and the end stands in ``info["final_obs"]``; "next_step" begins it in the next step, whatever
+    the action is, which earns 0; "disabled" leaves it until ``reset(options={"reset_mask": ...})``. The other parameters are
+    those of ``Environment``.
 
     **Arrays.** Every step writes to the same arrays, and returns them: they hold what the last step or reset said, for as long
-    as anything refers to them, and the next one overwrites them. Copy what is to be kept; with `copy=True` the environment
+    as anything refers to them, and the next one overwrites them. Copy what is to be kept; with ``copy=True`` the environment
     does so. Observations are float32 or uint8 [episodes, observations], masks int8 [episodes, actions], rewards float64
     [episodes], terminated and truncated bool [episodes].
 
@@ -396,7 +393,7 @@ class VectorEnvironment(_VectorEnv):
 
     def __init__(
         self,
-        problem: Union[Problem, str],
+        problem: ProblemLike,
         episodes: int,
         *,
         autoreset: str = "same_step",
@@ -427,21 +424,21 @@ class VectorEnvironment(_VectorEnv):
 
     @property
     def action_names(self) -> list[str]:
-        """As `Environment.action_names`."""
+        """As ``Environment.action_names``."""
         return self._arrays.action_names
 
     @property
     def observation_names(self) -> list[str]:
-        """As `Environment.observation_names`."""
+        """As ``Environment.observation_names``."""
         return self._arrays.observation_names
 
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[dict[str, Any]] = None
     ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
-        """Begins all episodes, and returns what is observed and the info, with `info["action_mask"]`.
+        """Begins all episodes, and returns what is observed and the info, with ``info["action_mask"]``.
 
-        `seed` is that of `sample_actions`; nothing else is random. `options["reset_mask"]`, bool [episodes], begins only those
-        where it is true. `options["done"]` is that of `Environment.reset`.
+        ``seed`` is that of ``sample_actions``; nothing else is random. ``options["reset_mask"]``, bool [episodes], begins only those
+        where it is true. ``options["done"]`` is that of ``Environment.reset``.
         """
         super().reset(seed=_checked_seed(seed))
         if seed is not None:
@@ -462,12 +459,12 @@ class VectorEnvironment(_VectorEnv):
     ) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]:
         """Takes one action in each episode, whole numbers [episodes], and returns the arrays and the info.
 
-        `info["action_mask"]` has the masks. Where an episode ended, `info["_episode"]`, bool [episodes], says which did;
-        `info["episode"]` has what each earned, "r", float64 [episodes], and its steps, "l", int64 [episodes]; and
-        `info["final_obs"]`, of the shape of the observations, what was observed at its end. Rows of other episodes mean
+        ``info["action_mask"]`` has the masks. Where an episode ended, ``info["_episode"]``, bool [episodes], says which did;
+        ``info["episode"]`` has what each earned, "r", float64 [episodes], and its steps, "l", int64 [episodes]; and
+        ``info["final_obs"]``, of the shape of the observations, what was observed at its end. Rows of other episodes mean
         nothing there.
 
-        An action that is not legal is an `InputError` that names the episode and says why; no episode changes then.
+        An action that is not legal is an ``InputError`` that names the episode and says why; no episode changes then.
         """
         taken = np.asarray(actions)
         if taken.shape != (self.num_envs,) or taken.dtype.kind not in "iu":
@@ -489,7 +486,7 @@ class VectorEnvironment(_VectorEnv):
     def sample_actions(self, out: Optional[npt.NDArray[np.int64]] = None) -> npt.NDArray[np.int64]:
         """A legal action for each episode, int64 [episodes], each equally likely; 0 where none is.
 
-        `out`, int64 [episodes], is written and returned where it is given.
+        ``out``, int64 [episodes], is written and returned where it is given.
         """
         if not self._seeded:
             self._seed()

@@ -1,7 +1,7 @@
 """Spaces: which actions and observations an environment has.
 
 They answer as those of Gymnasium (https://gymnasium.farama.org/api/spaces/) do, and serve where it is not installed. Where it
-is, `orasp.Environment` and `orasp.VectorEnvironment` have Gymnasium's own.
+is, ``orasp.Environment`` and ``orasp.VectorEnvironment`` have Gymnasium's own.
 
 >>> import numpy as np
 >>> actions = Discrete(3, seed=1)
@@ -28,7 +28,7 @@ Seed = Union[int, np.random.Generator, None]
 class Space:
     """What a value may be: the base of the others.
 
-    `shape` is the shape of one value and `dtype` its type.
+    ``shape`` is the shape of one value and ``dtype`` its type.
     """
 
     def __init__(self, shape: Sequence[int], dtype: npt.DTypeLike, seed: Seed = None) -> None:
@@ -42,7 +42,7 @@ class Space:
 
     @property
     def np_random(self) -> np.random.Generator:
-        """The random numbers that `sample` draws by; where no seed was given, from the system."""
+        """The random numbers that ``sample`` draws by; where no seed was given, from the system."""
         if self._np_random is None:
             self.seed()
         assert self._np_random is not None
@@ -60,7 +60,7 @@ class Space:
         raise NotImplementedError
 
     def contains(self, x: Any) -> bool:
-        """Whether `x` is such a value."""
+        """Whether ``x`` is such a value."""
         raise NotImplementedError
 
     def __contains__(self, x: Any) -> bool:
@@ -68,7 +68,7 @@ class Space:
 
 
 class Box(Space):
-    """Arrays of numbers from `low` to `high`, both included, of one shape."""
+    """Arrays of numbers from ``low`` to ``high``, both included, of one shape."""
 
     def __init__(
         self, low: float, high: float, shape: Sequence[int], dtype: npt.DTypeLike = np.float32, seed: Seed = None
@@ -111,7 +111,7 @@ class Discrete(Space):
         self.start = np.int64(0)
 
     def sample(self, mask: Optional[npt.NDArray[np.int8]] = None) -> np.int64:
-        """A number, each equally likely; with a `mask`, int8 [n], one of those where it is 1, and 0 where it is nowhere."""
+        """A number, each equally likely; with a ``mask``, int8 [n], one of those where it is 1, and 0 where it is nowhere."""
         if mask is None:
             return np.int64(self.np_random.integers(self.n))
         allowed = np.flatnonzero(_checked_mask(mask, (int(self.n),)))
@@ -140,7 +140,7 @@ class MultiDiscrete(Space):
         super().__init__(self.nvec.shape, np.int64, seed)
 
     def sample(self, mask: Optional[Sequence[npt.NDArray[np.int8]]] = None) -> npt.NDArray[np.int64]:
-        """A row, each equally likely; with `mask`, one of int8 [nvec[i]] for each number, as `Discrete.sample`."""
+        """A row, each equally likely; with ``mask``, one of int8 [nvec[i]] for each number, as ``Discrete.sample``."""
         if mask is None:
             return self.np_random.integers(self.nvec, dtype=np.int64)
         row = np.zeros(self.shape, np.int64)

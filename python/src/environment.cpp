@@ -71,7 +71,7 @@ class OneAtATime {
 /// A VectorEnvironment with the problem that it is made of and the arrays that it writes to.
 class Episodes {
  public:
-  Episodes(std::shared_ptr<Problem> problem, std::size_t episodes, const std::string& autoreset,
+  Episodes(ProblemPointer problem, std::size_t episodes, const std::string& autoreset,
            std::uint64_t max_bytes)
       : problem_(std::move(problem)),
         system_(std::make_unique<TransitionSystem>(*problem_)),
@@ -219,7 +219,7 @@ class Episodes {
     return py::make_tuple(connections, directions);
   }
 
-  std::shared_ptr<Problem> problem_;
+  ProblemPointer problem_;
   std::unique_ptr<TransitionSystem> system_;
   VectorEnvironment environment_;
   Arrays arrays_;
@@ -231,7 +231,7 @@ class Episodes {
 
 void bind_environment(py::module_& module) {
   py::class_<Episodes>(module, "Episodes")
-      .def(py::init<std::shared_ptr<Problem>, std::size_t, const std::string&, std::uint64_t>(),
+      .def(py::init<ProblemPointer, std::size_t, const std::string&, std::uint64_t>(),
            py::arg("problem"), py::arg("episodes"), py::arg("autoreset"), py::arg("max_bytes"))
       .def(
           "write_to",
@@ -261,7 +261,6 @@ void bind_environment(py::module_& module) {
       .def("column_name", [](const Episodes& e,
                              std::size_t column) { return e.environment().column_name(column); })
       .def("total", [](const Episodes& e, std::size_t i) { return e.environment().total(i); })
-      .def("length", [](const Episodes& e, std::size_t i) { return e.environment().length(i); })
       .def("obstacle", [](const Episodes& e, std::size_t i,
                           std::int64_t action) { return e.environment().obstacle(i, action); })
       .def_property_readonly("num_actions",

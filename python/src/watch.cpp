@@ -1,5 +1,6 @@
 #include "watch.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -10,8 +11,14 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <signal.h>
+
+#include <pybind11/stl.h>
+
+#include "bindings.h"
+#include "orasp/task/memory_limit.h"
 
 namespace py = pybind11;
 
@@ -108,12 +115,18 @@ bool interrupts_raise() {
 
 }  // namespace
 
-void run_watched(Budget budget, const Watch& watch, bool keeps_partial,
+void run_watched(const Run& run, bool keeps_partial,
                  const std::function<void(const Budget&)>& work) {
+  Budget budget;
+  budget.max_bytes = run.memory_limit ? *run.memory_limit << 20U : default_memory_limit();
+  budget.threads = run.threads      ? static_cast<unsigned>(*run.threads)
+                   : run.calls_back ? 1U
+                                    : std::max(1U, std::thread::hardware_concurrency());
+  if (run.time_limit) budget.set_time_limit(*run.time_limit);
   std::stop_source source;
   budget.stop = source.get_token();
   Told told;
-  if (!watch.progress.is_none())
+  if (!run.progress.is_none())
     budget.progress = [&told](const Progress& progress) { told.tell(progress); };
 
   std::mutex mutex;
@@ -137,8 +150,8 @@ void run_watched(Budget budget, const Watch& watch, bool keeps_partial,
         }
       }
       if (raised || interrupts > 0) return;
-      if (!watch.progress.is_none()) told.pass_on(watch.progress);
-      if (!watch.stop.is_none() && watch.stop.attr("is_set")().cast<bool>()) source.request_stop();
+      if (!run.progress.is_none()) told.pass_on(run.progress);
+      if (!run.stop.is_none() && run.stop.attr("is_set")().cast<bool>()) source.request_stop();
     } catch (py::error_already_set& error) {
       source.request_stop();
       if (error.matches(PyExc_KeyboardInterrupt)) {
@@ -154,6 +167,13 @@ void run_watched(Budget budget, const Watch& watch, bool keeps_partial,
     const py::gil_scoped_release released;
     std::thread worker([&] {
       try {
+        // Held in between, what Python knows of this thread is made once, not at each call.
+        std::optional<py::gil_scoped_acquire> known;
+        std::optional<py::gil_scoped_release> let_go;
+        if (run.calls_back) {
+          known.emplace();
+          let_go.emplace();
+        }
         work(budget);
       } catch (...) {
         failure = std::current_exception();
@@ -181,6 +201,17 @@ void run_watched(Budget budget, const Watch& watch, bool keeps_partial,
     PyErr_SetNone(PyExc_KeyboardInterrupt);
     throw py::error_already_set();
   }
+}
+
+void bind_run(py::module_& module) {
+  py::class_<Run>(module, "Run")
+      .def(py::init([](std::optional<double> time_limit, std::optional<std::uint64_t> memory_limit,
+                       std::optional<std::uint64_t> threads, py::object progress, py::object stop) {
+             return Run{time_limit, memory_limit, threads, std::move(progress), std::move(stop)};
+           }),
+           py::arg("time_limit") = std::nullopt, py::arg("memory_limit") = std::nullopt,
+           py::arg("threads") = std::nullopt, py::arg("progress") = py::none(),
+           py::arg("stop") = py::none());
 }
 
 }  // namespace orasp::python
