@@ -334,6 +334,39 @@ class MoreThanConnections(unittest.TestCase):
         self.assertIsNone(many.best_plan)
 
 
+class RewardsOfYourOwn(unittest.TestCase):
+    def test_a_function_of_python_is_earned(self) -> None:
+        one = orasp.Reward(lambda step: -step.moved_mass - step.after, name="mine")
+        many = orasp.Reward(lambda steps: -steps.moved_mass - steps.after, vectorized=True, name="mine")
+        for reward in (one, many):
+            problem = orasp.load("hubble").edited(objective=reward)
+            environment = orasp.VectorEnvironment(problem, 8)
+            environment.reset(seed=1)
+            for _ in range(19):
+                *_, info = environment.step(environment.sample_actions())
+            plan, best = environment.best_plan, environment.best_reward
+            assert plan is not None and best is not None
+            self.assertAlmostEqual(orasp.evaluate(problem, plan).reward, best)
+            self.assertAlmostEqual(float(info["episode"]["r"].max()), best)
+
+    def test_what_it_raises_comes_out_and_nothing_changes(self) -> None:
+        broken = True
+
+        def reward(step: Any) -> float:
+            if broken and step.after == 17:
+                raise KeyError("mine")
+            return 1.0
+
+        environment = orasp.Environment(orasp.load("hubble").edited(objective=orasp.Reward(reward)))
+        observation, _ = environment.reset()
+        with self.assertRaisesRegex(KeyError, "mine"):
+            environment.step(environment.action_space.sample())
+        self.assertEqual(environment.plan, [])
+        broken = False
+        self.assertEqual(environment.step(environment.action_space.sample())[1], 1.0)
+        self.assertEqual(len(environment.plan), 1)
+
+
 class ManyEpisodes(unittest.TestCase):
     def test_says_what_one_episode_says(self) -> None:
         many = orasp.VectorEnvironment("hubble", 8)
