@@ -11,7 +11,6 @@ of the round with as many ones in what is observed. A bonus for undecidedness, l
 from __future__ import annotations
 
 import sys
-from typing import Optional
 
 import numpy as np
 import numpy.typing as npt
@@ -58,13 +57,14 @@ class Policy:
             w += RATE * mean / (1 - 0.9**self.updates) / unbiased
 
 
-def learn(problem: str, rounds: int, seed: int = 1, goal: Optional[float] = None) -> orasp.VectorEnvironment:
-    """Trains for so many rounds, or until a plan earned `goal`; the environment knows the best plan."""
+def learn(problem: str, rounds: int, seed: int = 1) -> tuple[orasp.VectorEnvironment, list[float]]:
+    """Trains for so many rounds; the environment, which knows the best plan, and what episodes earned, the mean by round."""
     random = np.random.default_rng(seed)
     environment = orasp.VectorEnvironment(problem, EPISODES, copy=True)
     observations, info = environment.reset(seed=seed)
     policy = Policy(observations.shape[1], info["action_mask"].shape[1], random)
     steps = int(observations[0].sum())
+    means: list[float] = []
     for number in range(rounds):
         seen, masks, taken, earned, ended = [], [], [], [], []
         for _ in range(steps):
@@ -97,15 +97,13 @@ def learn(problem: str, rounds: int, seed: int = 1, goal: Optional[float] = None
         wanted = -chance * gain[:, None]
         wanted[np.arange(len(rows)), chosen] += gain
         policy.ascend(rows, hidden, ((wanted + undecided) * weight[:, None] / len(rows)).astype(np.float32))
-        best = environment.best_reward
+        means.append(float(returns[0].mean()))
         if number % 10 == 9:
-            print(f"round {number + 1}: mean {returns[0].mean():.4f}, best {best}")
-        if goal is not None and best is not None and best >= goal - 1e-9:
-            break
-    return environment
+            print(f"round {number + 1}: mean {means[-1]:.4f}, best {environment.best_reward}")
+    return environment, means
 
 
 if __name__ == "__main__":
     name = sys.argv[1] if len(sys.argv) > 1 else "hubble"
-    trained = learn(name, int(sys.argv[2]) if len(sys.argv) > 2 else 100)
+    trained, _ = learn(name, int(sys.argv[2]) if len(sys.argv) > 2 else 50)
     print(trained.best_reward, *(trained.best_plan or []))
