@@ -181,7 +181,7 @@ class VectorEnvironment {
  private:
   void check(const EpisodeBuffers& buffers) const;
   [[noreturn]] void refuse(std::size_t episode, std::int64_t action) const;
-  [[nodiscard]] std::string obstacle_in(std::uint32_t state, std::int64_t action) const;
+  [[nodiscard]] std::string obstacle_in(std::uint32_t number, std::int64_t action) const;
   void write_state(std::size_t episode, const EpisodeBuffers& buffers) const;
   void write_observation(std::uint32_t state, std::size_t episode, std::span<float> floats,
                          std::span<std::uint8_t> bytes) const;

@@ -100,8 +100,8 @@ class TransitionCache {
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:
-  std::uint32_t find_next(std::uint32_t number, std::uint64_t place);
-  void remember(std::uint32_t number, std::span<const Action> legal);
+  std::uint32_t find_next(std::uint32_t from, std::uint64_t place);
+  void remember(std::uint32_t from, std::span<const Action> legal);
 
   const TransitionSystem& system_;
   Expander expander_;
