@@ -3,9 +3,10 @@
 
     PYTHONPATH=build/release/python python3 python/examples/reinforce.py [PROBLEM [ROUNDS]]
 
-A network with one hidden layer says how likely each legal action is. In each round some hundred episodes are played by it, and
-its weights are moved so that actions after which more was earned than usual become likelier. Usual is the mean of the states
-of the round with as many ones in what is observed. A bonus for undecidedness, less of it each round, keeps it trying.
+A network with one hidden layer says how likely each legal action is. In each round some hundred episodes are
+played by it, and its weights are moved so that actions after which more was earned than usual become
+likelier. Usual is the mean of the states of the round with as many ones in what is observed. A bonus for
+undecidedness, less of it each round, keeps it trying.
 """
 
 from __future__ import annotations
@@ -58,7 +59,8 @@ class Policy:
 
 
 def learn(problem: str, rounds: int, seed: int = 1) -> tuple[orasp.VectorEnvironment, list[float]]:
-    """Trains for so many rounds; the environment, which knows the best plan, and what episodes earned, the mean by round."""
+    """Trains for so many rounds; the environment, which knows the best plan, and what episodes earned, the
+    mean by round."""
     random = np.random.default_rng(seed)
     environment = orasp.VectorEnvironment(problem, EPISODES, copy=True)
     observations, info = environment.reset(seed=seed)

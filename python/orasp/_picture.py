@@ -17,10 +17,11 @@ def picture(
 ) -> npt.NDArray[np.uint8]:
     """Draws parts as dots and connections as lines.
 
-    ``positions`` is float64 [parts, 3], ``ends`` int64 [connections, 2], the parts of each; ``there`` and ``legal`` are bool
-    [connections]: grey where a connection is there, pale where it is not, orange where it may be handled next. The picture is
-    uint8 [480, 640, 3]. Parts stand where their positions are in the plane of the two directions in which these differ most,
-    or on a circle where one has none. O(pixels * (parts + connections)) in the worst case.
+    ``positions`` is float64 [parts, 3], ``ends`` int64 [connections, 2], the parts of each; ``there`` and
+    ``legal`` are bool [connections]: grey where a connection is there, pale where it is not, orange where it
+    may be handled next. The picture is uint8 [480, 640, 3]. Parts stand where their positions are in the
+    plane of the two directions in which these differ most, or on a circle where one has none. O(pixels *
+    (parts + connections)) in the worst case.
     """
     image = np.full((HEIGHT, WIDTH, 3), BACKGROUND, np.uint8)
     places = _places(positions)

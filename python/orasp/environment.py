@@ -1,22 +1,25 @@
 """Environments: a problem as reinforcement learning takes it.
 
-``Environment`` is one episode with the interface of Gymnasium (https://gymnasium.farama.org), ``VectorEnvironment`` thousands of
-them side by side in NumPy arrays. Which actions are legal, what they earn and where they lead comes from the library's rules;
-nothing is worked out here. Gymnasium need not be installed. Where it is, both are environments of its own classes with spaces
-of its own; else the spaces are those of ``orasp.spaces``, which answer the same way.
+``Environment`` is one episode with the interface of Gymnasium (https://gymnasium.farama.org),
+``VectorEnvironment`` thousands of them side by side in NumPy arrays. Which actions are legal, what they earn
+and where they lead comes from the library's rules; nothing is worked out here. Gymnasium need not be
+installed. Where it is, both are environments of its own classes with spaces of its own; else the spaces are
+those of ``orasp.spaces``, which answer the same way.
 
-**Actions.** Action c is to handle connection c, in the order of the problem's file: 0 to connections - 1. Where the objective
-looks at the direction in which a piece leaves, each connection has 1 + directions actions, one after another: the first where
-nothing moves, then one a direction. Where a plan may end before nothing is left (a goal with ``"stop": "best"``), the last
-action is to end it. ``action_names`` lists them all.
+**Actions.** Action c is to handle connection c, in the order of the problem's file: 0 to connections - 1.
+Where the objective looks at the direction in which a piece leaves, each connection has 1 + directions
+actions, one after another: the first where nothing moves, then one a direction. Where a plan may end before
+nothing is left (a goal with ``"stop": "best"``), the last action is to end it. ``action_names`` lists them
+all.
 
-**Observations.** A row of ones and zeros: one column a connection, 1 while it is still to be handled; then, where the objective
-looks at what the step before left behind, one column for each value that may be in force and each place where the last step
-may have been done. So what is observed is the whole state. ``observation_names`` lists the columns.
+**Observations.** A row of ones and zeros: one column a connection, 1 while it is still to be handled; then,
+where the objective looks at what the step before left behind, one column for each value that may be in force
+and each place where the last step may have been done. So what is observed is the whole state.
+``observation_names`` lists the columns.
 
-**Ends.** An episode is ``terminated`` where its plan is ended, and ``truncated`` at a dead end, where nothing is legal and
-connections are left. A dead end earns nothing by itself: a learner that maximises what is earned must count it as the failure
-that it is.
+**Ends.** An episode is ``terminated`` where its plan is ended, and ``truncated`` at a dead end, where nothing
+is legal and connections are left. A dead end earns nothing by itself: a learner that maximises what is earned
+must count it as the failure that it is.
 
 >>> environment = Environment("hubble")
 >>> observation, info = environment.reset(seed=1)
@@ -220,13 +223,15 @@ def _checked_seed(seed: Optional[int]) -> Optional[int]:
 class Environment(_Env):
     """One episode at a time, with the interface of ``gymnasium.Env``.
 
-    ``problem`` is a problem, the name of one that is built in, a file, or what a file says; it is taken as it is now. ``render_mode`` is None, "ansi" or "rgb_array".
-    ``observation_dtype`` is float32 or uint8. ``max_bytes`` limits what is remembered of states that were met; beyond it all is
-    forgotten and worked out again.
+    ``problem`` is a problem, the name of one that is built in, a file, or what a file says; it is taken as it
+    is now. ``render_mode`` is None, "ansi" or "rgb_array". ``observation_dtype`` is float32 or uint8.
+    ``max_bytes`` limits what is remembered of states that were met; beyond it all is forgotten and worked out
+    again.
 
-    ``observation_space`` is a Box of [0, 1] of shape [observations], ``action_space`` a Discrete of the actions. The module's page
-    says what the columns and numbers mean. ``info["action_mask"]`` of ``reset`` and ``step`` is int8 [actions]: 1 where an action is
-    legal. ``action_space.sample()`` draws among the legal ones.
+    ``observation_space`` is a Box of [0, 1] of shape [observations], ``action_space`` a Discrete of the
+    actions. The module's page says what the columns and numbers mean. ``info["action_mask"]`` of ``reset``
+    and ``step`` is int8 [actions]: 1 where an action is legal. ``action_space.sample()`` draws among the
+    legal ones.
 
     An action that is not legal is an ``InputError`` that says why, and changes nothing:
 
@@ -239,8 +244,8 @@ class Environment(_Env):
     ...
     orasp.InputError: action 0: connection "1-2" cannot be handled now: "1-2" was removed before
 
-    Problems whose steps take parts off (``"action": "part"``) are refused: such steps cannot be numbered. Attempts that may fail
-    succeed here.
+    Problems whose steps take parts off (``"action": "part"``) are refused: such steps cannot be numbered.
+    Attempts that may fail succeed here.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 2}
@@ -288,8 +293,9 @@ class Environment(_Env):
     ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
         """Begins an episode, and returns what is observed, [observations], and the info.
 
-        ``seed`` begins ``np_random`` anew; nothing that the environment does is random. ``options["done"]``, a list of actions by
-        name or number, has this and later episodes begin after these steps; an empty list, at the start again.
+        ``seed`` begins ``np_random`` anew; nothing that the environment does is random. ``options["done"]``,
+        a list of actions by name or number, has this and later episodes begin after these steps; an empty
+        list, at the start again.
         """
         super().reset(seed=_checked_seed(seed))
         self._arrays.start(options, ["done"])
@@ -365,15 +371,15 @@ class Environment(_Env):
 class VectorEnvironment(_VectorEnv):
     """Thousands of episodes side by side, with the interface of ``gymnasium.vector.VectorEnv``.
 
-    ``autoreset`` says what becomes of an episode that is over: "same_step" begins the next one in the step that ends it, so that
-    what is observed is its start, and the end stands in ``info["final_obs"]``; "next_step" begins it in the next step, whatever
-    the action is, which earns 0; "disabled" leaves it until ``reset(options={"reset_mask": ...})``. The other parameters are
-    those of ``Environment``.
+    ``autoreset`` says what becomes of an episode that is over: "same_step" begins the next one in the step
+    that ends it, so that what is observed is its start, and the end stands in ``info["final_obs"]``;
+    "next_step" begins it in the next step, whatever the action is, which earns 0; "disabled" leaves it until
+    ``reset(options={"reset_mask": ...})``. The other parameters are those of ``Environment``.
 
-    **Arrays.** Every step writes to the same arrays, and returns them: they hold what the last step or reset said, for as long
-    as anything refers to them, and the next one overwrites them. Copy what is to be kept; with ``copy=True`` the environment
-    does so. Observations are float32 or uint8 [episodes, observations], masks int8 [episodes, actions], rewards float64
-    [episodes], terminated and truncated bool [episodes].
+    **Arrays.** Every step writes to the same arrays, and returns them: they hold what the last step or reset
+    said, for as long as anything refers to them, and the next one overwrites them. Copy what is to be kept;
+    with ``copy=True`` the environment does so. Observations are float32 or uint8 [episodes, observations],
+    masks int8 [episodes, actions], rewards float64 [episodes], terminated and truncated bool [episodes].
 
     >>> environment = VectorEnvironment("hubble", 1024)
     >>> observations, info = environment.reset(seed=1)
@@ -385,8 +391,8 @@ class VectorEnvironment(_VectorEnv):
     >>> len(environment.best_plan)
     19
 
-    What is remembered of states is shared by all episodes, so a state's actions are worked out once. One call at a time: during
-    a step the lock of the interpreter is released.
+    What is remembered of states is shared by all episodes, so a state's actions are worked out once. One call
+    at a time: during a step the lock of the interpreter is released.
     """
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": "same_step"}
@@ -437,8 +443,8 @@ class VectorEnvironment(_VectorEnv):
     ) -> tuple[npt.NDArray[Any], dict[str, Any]]:
         """Begins all episodes, and returns what is observed and the info, with ``info["action_mask"]``.
 
-        ``seed`` is that of ``sample_actions``; nothing else is random. ``options["reset_mask"]``, bool [episodes], begins only those
-        where it is true. ``options["done"]`` is that of ``Environment.reset``.
+        ``seed`` is that of ``sample_actions``; nothing else is random. ``options["reset_mask"]``, bool
+        [episodes], begins only those where it is true. ``options["done"]`` is that of ``Environment.reset``.
         """
         super().reset(seed=_checked_seed(seed))
         if seed is not None:
@@ -459,10 +465,10 @@ class VectorEnvironment(_VectorEnv):
     ) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]:
         """Takes one action in each episode, whole numbers [episodes], and returns the arrays and the info.
 
-        ``info["action_mask"]`` has the masks. Where an episode ended, ``info["_episode"]``, bool [episodes], says which did;
-        ``info["episode"]`` has what each earned, "r", float64 [episodes], and its steps, "l", int64 [episodes]; and
-        ``info["final_obs"]``, of the shape of the observations, what was observed at its end. Rows of other episodes mean
-        nothing there.
+        ``info["action_mask"]`` has the masks. Where an episode ended, ``info["_episode"]``, bool [episodes],
+        says which did; ``info["episode"]`` has what each earned, "r", float64 [episodes], and its steps, "l",
+        int64 [episodes]; and ``info["final_obs"]``, of the shape of the observations, what was observed at
+        its end. Rows of other episodes mean nothing there.
 
         An action that is not legal is an ``InputError`` that names the episode and says why; no episode changes then.
         """

@@ -1,7 +1,7 @@
 """Spaces: which actions and observations an environment has.
 
-They answer as those of Gymnasium (https://gymnasium.farama.org/api/spaces/) do, and serve where it is not installed. Where it
-is, ``orasp.Environment`` and ``orasp.VectorEnvironment`` have Gymnasium's own.
+They answer as those of Gymnasium (https://gymnasium.farama.org/api/spaces/) do, and serve where it is not
+installed. Where it is, ``orasp.Environment`` and ``orasp.VectorEnvironment`` have Gymnasium's own.
 
 >>> import numpy as np
 >>> actions = Discrete(3, seed=1)
