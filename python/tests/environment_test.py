@@ -94,6 +94,17 @@ class AsGymnasiumChecks(unittest.TestCase):
         self.assertNotEqual(environment.unwrapped._np_random.bit_generator.state, random.bit_generator.state)
         # check_reset_options
         environment.reset(options={})
+        # check_step_determinism
+        environment.action_space.seed(123)
+        action = environment.action_space.sample()
+        environment.reset(seed=123)
+        one = environment.step(action)
+        environment.reset(seed=123)
+        again = environment.step(action)
+        self.assertTrue(np.array_equal(one[0], again[0]))
+        self.assertEqual(one[1:4], again[1:4])
+        self.assertTrue(np.array_equal(one[4].pop("action_mask"), again[4].pop("action_mask")))
+        self.assertEqual(one[4], again[4])
         # env_reset_passive_checker, env_step_passive_checker
         observation, info = environment.reset()
         self.check_observation(environment, observation)

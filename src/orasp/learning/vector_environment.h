@@ -80,7 +80,7 @@ struct EpisodeBuffers {
 ///            remembered or forgotten. Nothing is random but sample(), whose numbers follow from
 ///            the seed. A call that throws leaves all episodes as they were.
 /// Cost.      A step to a state that is remembered: O(actions + connections) bytes written, some
-///            20 ns on `hubble`. To another one: one expansion, worked out together with those of
+///            30 ns on `hubble`. To another one: one expansion, worked out together with those of
 ///            the other episodes (docs/performance.md).
 /// Memory.    Up to `max_bytes` for what is remembered: 16 bytes an action of an expanded state.
 ///            Where a step goes beyond, all is forgotten but the states in which episodes stand,
