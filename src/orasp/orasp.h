@@ -37,6 +37,13 @@
 ///     const orasp::Training training = orasp::train(system, {}, minute);
 ///     use(orasp::follow_policy(system, training.trained.policy, {}));
 ///
+///     // A learner of your own: episodes side by side, millions of steps a second.
+///     orasp::VectorEnvironment world(system, 1024);
+///     std::vector<std::int64_t> actions(world.size());
+///     std::vector<double> rewards(world.size());
+///     world.sample(actions);
+///     world.step(actions, {.rewards = rewards});
+///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
 ///     use(orasp::solve(lattice, "fleet-search").fleet_plan.steps);
