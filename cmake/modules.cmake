@@ -15,6 +15,27 @@ macro(find_module name package)
   endif()
 endmacro()
 
+# find_python_module(): the same for the Python package, which needs a Python with its headers, and pybind11. Debian's Python,
+# for which its packages are, is taken unless Python_EXECUTABLE names another one. Not under a sanitizer, which would have to
+# be there before Python is.
+macro(find_python_module)
+  set(ORASP_PYTHON OFF)
+  if(ORASP_WITH_PYTHON AND NOT ORASP_SANITIZE)
+    if(NOT Python_EXECUTABLE AND EXISTS /usr/bin/python3)
+      set(Python_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "The Python that the package is built for")
+    endif()
+    if(ORASP_WITH_PYTHON STREQUAL "AUTO")
+      find_package(Python 3.9 QUIET COMPONENTS Interpreter Development.Module)
+    else()
+      find_package(Python 3.9 REQUIRED COMPONENTS Interpreter Development.Module)
+    endif()
+    if(Python_FOUND)
+      set(PYBIND11_FINDPYTHON ON)
+      find_module(PYTHON pybind11)
+    endif()
+  endif()
+endmacro()
+
 # add_module(TARGET FILE...): made of these files, which see the library's headers and link none of it.
 function(add_module target)
   add_library(${target} MODULE ${ARGN})

@@ -65,7 +65,7 @@ std::vector<const Planner*> named_methods(const std::string& names) {
   std::vector<const Planner*> chosen;
   if (names.empty()) return chosen;
   for (const std::string& name : comma_separated(names)) {
-    const Planner* const planner = &planner_named(name);
+    const Planner* const planner = &find_planner(name);
     if (std::ranges::find(chosen, planner) == chosen.end()) chosen.push_back(planner);
   }
   return chosen;

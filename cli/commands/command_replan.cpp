@@ -18,10 +18,10 @@
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
+#include "orasp/execution/plan_changes.h"
 #include "orasp/execution/replanner.h"
 #include "orasp/execution/waiting.h"
 #include "orasp/io/atomic_file.h"
-#include "orasp/model/validate.h"
 
 namespace orasp::cli {
 namespace {
@@ -87,95 +87,13 @@ std::vector<PlanStep> old_steps(const Problem& problem, const ReplanOptions& opt
   return steps;
 }
 
-std::vector<ConnectionIndex> all_of(std::span<const PlanStep> steps) {
-  std::vector<ConnectionIndex> all;
-  for (const PlanStep& step : steps)
-    all.insert(all.end(), step.connections.begin(), step.connections.end());
-  return all;
-}
-
-/// What became of the steps of the old plan that were still to come.
-struct Changes {
-  std::vector<ConnectionIndex> kept;     ///< in the order of both plans
-  std::vector<ConnectionIndex> moved;    ///< in both plans, in the order of the new one
-  std::vector<ConnectionIndex> dropped;  ///< of the old plan alone
-  std::vector<ConnectionIndex> added;    ///< of the new plan alone
-  std::optional<double>
-      before;  ///< what the old steps would have earned; empty where they break a rule
-  std::optional<double> price;  ///< that less what the new plan earns
-};
-
-/// As many steps kept as can be: a longest increasing subsequence of old places. Reference:
-/// Schensted (1961), Canadian J. Math. 13, 179-191. O(n log n).
-void split_common(std::span<const ConnectionIndex> sequence, std::span<const std::size_t> old_place,
-                  Changes& changes) {
-  std::vector<std::size_t> ends;  // by length - 1: step of the new plan that ends the best run
-  std::vector<std::size_t> before(sequence.size(), sequence.size());
-  std::vector<std::size_t> common;  // steps of the new plan that the old one has too
-  for (std::size_t i = 0; i < sequence.size(); ++i) {
-    const std::size_t place = old_place[sequence[i]];
-    if (place == old_place.size()) {
-      changes.added.push_back(sequence[i]);
-      continue;
-    }
-    common.push_back(i);
-    const auto at = std::ranges::lower_bound(
-        ends, place, {}, [&](std::size_t step) { return old_place[sequence[step]]; });
-    if (at != ends.begin()) before[i] = *(at - 1);
-    if (at == ends.end()) {
-      ends.push_back(i);
-    } else {
-      *at = i;
-    }
-  }
-  std::vector<bool> kept(sequence.size(), false);
-  for (std::size_t i = ends.empty() ? sequence.size() : ends.back(); i < sequence.size();
-       i = before[i])
-    kept[i] = true;
-  for (const std::size_t i : common)
-    (kept[i] ? changes.kept : changes.moved).push_back(sequence[i]);
-}
-
-Changes changes_between(const Problem& problem, const Situation& now, std::span<const PlanStep> old,
-                        const Result& result) {
-  Changes changes;
-  std::vector<PlanStep> left_steps;
-  for (const PlanStep& step : old) {
-    PlanStep left{{}, step.direction};
-    std::ranges::copy_if(step.connections, std::back_inserter(left.connections),
-                         [&](ConnectionIndex c) { return now.open.contains(c); });
-    if (!left.connections.empty()) left_steps.push_back(std::move(left));
-  }
-  const std::vector<ConnectionIndex> left = all_of(left_steps);
-  std::vector<std::size_t> old_place(problem.num_connections(), problem.num_connections());
-  for (std::size_t i = 0; i < left.size(); ++i) old_place[left[i]] = i;
-  split_common(result.sequence, old_place, changes);
-  ConnectionSet planned(problem.num_connections());
-  for (const ConnectionIndex c : result.sequence) planned.insert(c);
-  std::ranges::copy_if(left, std::back_inserter(changes.dropped),
-                       [&](ConnectionIndex c) { return !planned.contains(c); });
-  Situation undisturbed = Situation::whole(problem.num_connections());
-  undisturbed.open = now.open;
-  undisturbed.in_force = now.in_force;
-  undisturbed.last_place = now.last_place;
-  const TransitionSystem from_here(problem, undisturbed);
-  const Evaluation before = from_here.wide()
-                                ? evaluate(from_here, std::span<const PlanStep>(left_steps))
-                                : evaluate(from_here, std::span<const ConnectionIndex>(left));
-  if (before.valid) {
-    changes.before = before.reward;
-    if (result.has_plan()) changes.price = before.reward - result.reward;
-  }
-  return changes;
-}
-
 ordered_json ids_json(const Problem& problem, std::span<const ConnectionIndex> connections) {
   ordered_json ids = ordered_json::array();
   for (const ConnectionIndex c : connections) ids.push_back(problem.connection_id(c));
   return ids;
 }
 
-std::string changes_json(const Problem& problem, const Changes& changes) {
+std::string changes_json(const Problem& problem, const PlanChanges& changes) {
   const auto number = [](const std::optional<double>& value) {
     return value ? ordered_json(*value) : ordered_json(nullptr);
   };
@@ -196,7 +114,7 @@ std::string capped_ids(const Problem& problem, std::span<const ConnectionIndex> 
   return capped_list(ids, context.width() > 60 ? context.width() - 24 : 36);
 }
 
-std::string changes_text(const Problem& problem, const Changes& changes, const Context& context) {
+std::string changes_text(const Problem& problem, const PlanChanges& changes, const Context& context) {
   std::string text = "\nagainst the old plan\n";
   const auto list = [&](const char* name, const std::vector<ConnectionIndex>& connections) {
     if (connections.empty()) return;
@@ -396,7 +314,7 @@ int run(const ReplanOptions& options, const Context& context) {
     more["still_reachable"] = ids_json(problem, *reachable).dump();
   }
   if (!answer.times.empty()) more["reweighing"] = answer.times;
-  std::optional<Changes> changes;
+  std::optional<PlanChanges> changes;
   if (options.plan && result.has_plan()) {
     changes = changes_between(problem, now, old, result);
     more["changes"] = changes_json(problem, *changes);

@@ -13,8 +13,6 @@
 #include "cli/options/shared_options.h"
 #include "cli/output/plan_summary.h"
 #include "cli/output/progress.h"
-#include "cli/output/random_rewards.h"
-#include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
 #include "orasp/drawing/figures.h"
 #include "orasp/explain/explain_problem.h"
@@ -23,6 +21,8 @@
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/random_rewards.h"
+#include "orasp/planners/reward_statistics.h"
 #include "orasp/report/fleet_report.h"
 #include "orasp/report/report.h"
 
@@ -131,7 +131,7 @@ ReportPlan plan_of_result(const Problem& problem, const Result& result) {
 }
 
 ReportSample described(std::string origin, std::vector<double> rewards) {
-  const Figures figures = figures_of(rewards);
+  const RewardFigures figures = figures_of(rewards);
   return {.origin = std::move(origin),
           .rewards = std::move(rewards),
           .mean = figures.mean,

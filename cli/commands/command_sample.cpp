@@ -16,9 +16,9 @@
 #include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
-#include "cli/output/random_rewards.h"
-#include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
+#include "orasp/planners/random_rewards.h"
+#include "orasp/planners/reward_statistics.h"
 
 namespace orasp::cli {
 namespace {
@@ -43,7 +43,7 @@ std::optional<Yardstick> yardstick(const Problem& problem, const TransitionSyste
   return Yardstick{followed.reward, solve(problem, "auto", {}, make_budget(limits))};
 }
 
-nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, const Figures& figures,
+nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, const RewardFigures& figures,
                                const std::optional<Yardstick>& yardstick,
                                const SampleOptions& options) {
   const auto number = [&](double value) {
@@ -83,7 +83,7 @@ nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, con
 }
 
 /// Bars of '#': how many rewards fall into each of equal ranges from the least to the greatest.
-std::string histogram(const std::vector<double>& rewards, const Figures& figures,
+std::string histogram(const std::vector<double>& rewards, const RewardFigures& figures,
                       std::size_t width) {
   const double span = figures.greatest - figures.least;
   if (!(span > 0)) return {};
@@ -128,7 +128,7 @@ std::string yardstick_text(const Yardstick& yardstick, const Sample& sample) {
   return text;
 }
 
-std::string summary(const Problem& problem, const Sample& sample, const Figures& figures,
+std::string summary(const Problem& problem, const Sample& sample, const RewardFigures& figures,
                     const std::optional<Yardstick>& yardstick, const SampleOptions& options,
                     const Context& context) {
   std::string text = fmt::format("{}: {} of {}, seed {}\n", title(problem, options.problem),
@@ -175,7 +175,7 @@ int run(const SampleOptions& options, const Context& context) {
       sample = draw_rewards(system, options.count, options.seed, options.sequences, budget);
     }
   }
-  const Figures figures = figures_of(sample.rewards);
+  const RewardFigures figures = figures_of(sample.rewards);
   if (options.json) {
     for (const std::string& note : sample.last.notes) context.warn(printable(note));
   }

@@ -16,12 +16,12 @@
 #include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
-#include "cli/output/reward_statistics.h"
 #include "cli/output/text.h"
 #include "orasp/execution/simulation.h"
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/reward_statistics.h"
 
 namespace orasp::cli {
 namespace {
@@ -51,7 +51,7 @@ AttemptFigures attempt_figures(const std::vector<std::uint64_t>& attempts) {
   return figures;
 }
 
-double standard_error(const Figures& figures, std::size_t runs) {
+double standard_error(const RewardFigures& figures, std::size_t runs) {
   return runs == 0 ? 0 : figures.deviation / std::sqrt(static_cast<double>(runs));
 }
 
@@ -123,7 +123,7 @@ Outcome outcome_of(const Problem& problem, const SimulateOptions& options, const
   return outcome;
 }
 
-nlohmann::ordered_json as_json(const Outcome& outcome, const Figures& figures,
+nlohmann::ordered_json as_json(const Outcome& outcome, const RewardFigures& figures,
                                const AttemptFigures& attempts, const SimulateOptions& options) {
   const std::size_t runs = outcome.simulation.rewards.size();
   const auto number = [&](double value) {
@@ -150,7 +150,7 @@ nlohmann::ordered_json as_json(const Outcome& outcome, const Figures& figures,
           {"replanned", outcome.simulation.replanned}};
 }
 
-std::string summary(const Problem& problem, const Outcome& outcome, const Figures& figures,
+std::string summary(const Problem& problem, const Outcome& outcome, const RewardFigures& figures,
                     const AttemptFigures& attempts, const SimulateOptions& options) {
   const Simulation& simulation = outcome.simulation;
   const std::size_t runs = simulation.rewards.size();
@@ -204,7 +204,7 @@ int run(const SimulateOptions& options, const Context& context) {
         "earn "
         "whatever came before; here a goal, part steps or costs between steps say otherwise");
   const Outcome outcome = outcome_of(problem, options, context);
-  const Figures figures = figures_of(outcome.simulation.rewards);
+  const RewardFigures figures = figures_of(outcome.simulation.rewards);
   const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);
   if (options.json) {
     for (const std::string& note : outcome.notes) context.warn(printable(note));

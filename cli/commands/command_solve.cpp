@@ -46,7 +46,7 @@ Settings settings_of(const SolveOptions& options) {
   note_changes(options.changes, settings);
   note_limits(options.limits, settings);
   const Options chosen = options_from(options.method, options.of_method);
-  for (const OptionSpec& row : planner_named(options.method).options()) {
+  for (const OptionSpec& row : find_planner(options.method).options()) {
     const auto given = options.of_method.find(std::string(row.name));
     if (given == options.of_method.end()) continue;
     settings[given->first] = is_bare(row) ? value_of(row, chosen) : json_string(given->second);
@@ -156,7 +156,7 @@ void require_sense_of_other_plans(const Problem& problem, const SolveOptions& op
 }  // namespace
 
 int run(const SolveOptions& options, const Context& context) {
-  const Planner& planner = planner_named(options.method);
+  const Planner& planner = find_planner(options.method);
   refuse_idle_options(options);
   Options chosen = options_from(options.method, options.of_method, "--");
   chosen.seed = options.seed;

@@ -18,7 +18,7 @@
 #include "cli/signals.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/problem_json.h"
-#include "orasp/io/scenarios.h"
+#include "orasp/io/problem_source.h"
 #include "orasp/task/memory_limit.h"
 
 namespace orasp::cli {
@@ -37,10 +37,6 @@ std::string spoken(const std::string& file) {
   return file == "-" ? "standard input" : in_quotes(file);
 }
 
-bool names_a_file(const std::string& name) {
-  return name.find('/') != std::string::npos || name.ends_with(".json");
-}
-
 Problem problem_called(const std::string& name) {
   if (name == "-") {
     const std::string text = read_text(name);
@@ -50,42 +46,19 @@ Problem problem_called(const std::string& name) {
       throw InputError(fmt::format("standard input: {}", error.what()));
     }
   }
-  if (names_a_file(name)) return read_problem(name);
-  if (is_scenario(name)) return load_scenario(name);
-  std::error_code ignored;
-  if (std::filesystem::exists(name, ignored)) return read_problem(name);
-  std::vector<std::string> names;
-  for (const ScenarioInfo& scenario : scenarios()) names.push_back(scenario.name);
-  const std::string guess = suggestion(name, names);
-  throw InputError(fmt::format(
-      "no problem {}: there is neither a file nor a built-in scenario of that name{}",
-      in_quotes(name), guess.empty() ? "; `orasp scenarios` lists the scenarios" : guess));
+  return find_problem(name);
 }
 
-Objective objective_called(const std::string& name) {
-  const auto is_in = [&name](const auto& types) {
-    return std::ranges::find(types, name) != types.end();
-  };
-  if (is_in(kObjectiveTypes) || is_in(kFleetObjectiveTypes)) return Objective::named(name);
-  std::error_code ignored;
-  if (names_a_file(name) || std::filesystem::exists(name, ignored))
-    return parse_objective(read_text(name), name);
-  std::vector<std::string> types(kObjectiveTypes.begin(), kObjectiveTypes.end());
-  types.insert(types.end(), kFleetObjectiveTypes.begin(), kFleetObjectiveTypes.end());
-  throw InputError(fmt::format("no objective {}: it is neither a file nor one of {}{}",
-                               in_quotes(name), fmt::join(types, ", "), suggestion(name, types)));
-}
-
-Direction direction_called(const std::string& name) {
-  if (name == "disassembly") return Direction::Disassembly;
-  if (name == "assembly") return Direction::Assembly;
-  throw InputError(
-      fmt::format("unknown direction {}; it is disassembly or assembly", in_quotes(name)));
-}
-
-bool any(const ProblemChanges& changes) {
-  return changes.objective || changes.direction || changes.max_subassemblies ||
-         changes.max_moved_parts || changes.max_moved_mass || changes.robots || changes.sites;
+ProblemEdits edits_of(const ProblemChanges& changes) {
+  ProblemEdits edits;
+  if (changes.objective) edits.objective = find_objective(*changes.objective);
+  if (changes.direction) edits.direction = find_direction(*changes.direction);
+  edits.max_subassemblies = changes.max_subassemblies;
+  edits.max_moved_parts = changes.max_moved_parts;
+  edits.max_moved_mass = changes.max_moved_mass;
+  edits.robots = changes.robots;
+  edits.sites = changes.sites;
+  return edits;
 }
 
 }  // namespace
@@ -116,39 +89,14 @@ std::string read_text(const std::string& file) {
 }
 
 Problem changed(const Problem& problem, const ProblemChanges& changes) {
-  ProblemSpec spec = problem.spec();
-  if (changes.objective) {
-    spec.objective = objective_called(*changes.objective);
-    if (!spec.objective.of_fleet()) spec.fleet.reset();
-  }
-  if (changes.direction) spec.direction = direction_called(*changes.direction);
-  if (changes.max_subassemblies) spec.limits.max_subassemblies = *changes.max_subassemblies;
-  if (changes.max_moved_parts) spec.limits.max_moved_parts = *changes.max_moved_parts;
-  if (changes.max_moved_mass) spec.limits.max_moved_mass = *changes.max_moved_mass;
-  const auto fleet = [&](const char* option) -> Fleet& {
-    if (!spec.fleet)
-      throw InputError(fmt::format("{}: {}", option,
-                                   problem.spec().fleet
-                                       ? "an objective of one robot leaves the fleet out"
-                                       : "the problem has no \"fleet\" to change"));
-    return *spec.fleet;
-  };
-  if (changes.robots) fleet("--robots").robots = *changes.robots;
-  if (changes.sites) {
-    auto& sites = fleet("--sites").sites;
-    if (*changes.sites > sites.size())
-      throw InputError(fmt::format("--sites: {} is more than the {} of the problem", *changes.sites,
-                                   counted(sites.size(), "site")));
-    sites.resize(*changes.sites);
-  }
-  return Problem(std::move(spec));
+  return edited(problem, edits_of(changes), "--");
 }
 
 Problem load_problem(const std::string& name, const ProblemChanges& changes,
                      const Context& context) {
   Problem problem = problem_called(name);
-  if (any(changes)) {
-    Problem other = changed(problem, changes);
+  if (const ProblemEdits edits = edits_of(changes); edits.any()) {
+    Problem other = edited(problem, edits, "--");
     if (const auto& fleet = problem.spec().fleet; fleet && !other.spec().fleet)
       context.warn(fmt::format("fleet: its {} are not used: {} is an objective of one robot",
                                counted(fleet->robots, "robot"), other.objective().type));
@@ -204,15 +152,7 @@ PolicyFile read_policy(const std::string& file, const Problem& problem) {
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", spoken(file), error.what()));
   }
-  const std::string digest = problem_digest(problem);
-  if (policy.problem_digest != digest) {
-    throw InputError(fmt::format(
-        "{} was trained on another problem than this one: on {} with digest {}..., not on {} with "
-        "{}..., objective, limits and "
-        "direction included",
-        spoken(file), in_quotes(policy.problem_name), policy.problem_digest.substr(0, 12),
-        in_quotes(problem.name()), digest.substr(0, 12)));
-  }
+  require_trained_on(problem, policy, spoken(file));
   return policy;
 }
 
@@ -231,16 +171,6 @@ Budget make_budget(const LimitOptions& limits) {
       limits.memory_limit ? *limits.memory_limit * kMebibyte : default_memory_limit();
   if (limits.time_limit) budget.set_time_limit(*limits.time_limit);
   return budget;
-}
-
-const Planner& planner_named(const std::string& name) {
-  std::vector<std::string> names;
-  for (const Planner& planner : planners()) {
-    if (planner.name == name) return planner;
-    names.emplace_back(planner.name);
-  }
-  throw InputError(fmt::format("unknown method {}; the methods are {}{}", in_quotes(name),
-                               fmt::join(names, ", "), suggestion(name, names)));
 }
 
 void note_changes(const ProblemChanges& changes, Settings& settings) {

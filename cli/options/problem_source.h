@@ -78,9 +78,6 @@ void warn_of_another_problem(const Context& context, const std::string& digest,
 /// A budget from the limits, which Ctrl-C stops. The time limit begins now.
 [[nodiscard]] Budget make_budget(const LimitOptions& limits);
 
-/// The planner called `name`. @throws InputError with a suggestion.
-[[nodiscard]] const Planner& planner_named(const std::string& name);
-
 /// The options that shaped a result, by name, as JSON texts: what plan_text writes under "options".
 using Settings = std::map<std::string, std::string>;
 void note_changes(const ProblemChanges& changes, Settings& settings);

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
-#include "cli/output/random_rewards.h"
 #include "cli/paper/paper_printed.h"
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/learning/network.h"
 #include "orasp/model/error.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/random_rewards.h"
 #include "orasp/planners/value_iteration.h"
 
 namespace orasp::cli {

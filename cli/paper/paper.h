@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/output/reward_statistics.h"
 #include "orasp/catalogue.h"
 #include "orasp/drawing/figures.h"
 #include "orasp/graph/graph_size.h"
+#include "orasp/planners/reward_statistics.h"
 
 /// The numbers of the paper, computed again. What is done with them stands in paper_page.h.
 namespace orasp::cli {
@@ -91,7 +91,7 @@ struct PaperDistribution {
   std::size_t parts = 0;
   std::size_t connections = 0;
   std::vector<double> rewards;
-  Figures figures;
+  RewardFigures figures;
   double greedy = 0;  ///< of the best step each time: the policy before it is trained
   std::optional<double> learned;
   std::uint64_t episodes = 0;

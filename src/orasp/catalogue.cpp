@@ -179,12 +179,13 @@ std::vector<const Planner*> one_robot_planners() {
 }
 
 const Planner& find_planner(std::string_view name) {
-  std::string known;
+  std::vector<std::string_view> names;
   for (const Planner& planner : planners()) {
     if (planner.name == name) return planner;
-    known += (known.empty() ? "" : ", ") + std::string(planner.name);
+    names.push_back(planner.name);
   }
-  throw InputError("unknown method '" + std::string(name) + "'; known: " + known);
+  throw InputError("unknown method " + detail::in_quotes(name) + "; the methods are " +
+                   detail::listed(names) + detail::suggestion(name, names));
 }
 
 std::optional<std::string> obstacle(const Task& task, std::string_view method,

@@ -96,7 +96,7 @@ struct Planner {
 /// Those that plan for one robot, in the same order.
 [[nodiscard]] std::vector<const Planner*> one_robot_planners();
 
-/// @throws InputError `unknown method 'astr'; known: ...`.
+/// @throws InputError `unknown method "astr"; the methods are ...; did you mean "a-star"?`.
 [[nodiscard]] const Planner& find_planner(std::string_view name);
 
 /// Why `method` does not take `task`, in one sentence that names methods which do; empty where it

@@ -37,6 +37,13 @@
 ///     const orasp::Training training = orasp::train(system, {}, minute);
 ///     use(orasp::follow_policy(system, training.trained.policy, {}));
 ///
+///     // A learner of your own: episodes side by side, millions of steps a second.
+///     orasp::VectorEnvironment world(system, 1024);
+///     std::vector<std::int64_t> actions(world.size());
+///     std::vector<double> rewards(world.size());
+///     world.sample(actions);
+///     world.step(actions, {.rewards = rewards});
+///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
 ///     use(orasp::solve(lattice, "fleet-search").fleet_plan.steps);
@@ -61,6 +68,7 @@
 #include "orasp/catalogue.h"
 #include "orasp/drawing/document.h"
 #include "orasp/drawing/figures.h"
+#include "orasp/execution/plan_changes.h"
 #include "orasp/execution/replanner.h"
 #include "orasp/execution/simulation.h"
 #include "orasp/explain/alternatives.h"
@@ -87,12 +95,14 @@
 #include "orasp/io/model_files.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
+#include "orasp/io/problem_source.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/learning/dqn.h"
 #include "orasp/learning/environment.h"
 #include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
+#include "orasp/learning/vector_environment.h"
 #include "orasp/mip/mip.h"
 #include "orasp/model/operations.h"
 #include "orasp/model/plan_check.h"
@@ -112,7 +122,9 @@
 #include "orasp/planners/exhaustive.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/orasp_search.h"
+#include "orasp/planners/random_rewards.h"
 #include "orasp/planners/random_sequence.h"
+#include "orasp/planners/reward_statistics.h"
 #include "orasp/planners/uncertain_value_iteration.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/task/memory_limit.h"

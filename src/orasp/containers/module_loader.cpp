@@ -1,7 +1,7 @@
 #include "orasp/containers/module_loader.h"
 
-#include <array>
 #include <system_error>
+#include <vector>
 
 #include <dlfcn.h>
 
@@ -13,9 +13,13 @@ std::optional<std::filesystem::path> module_file(const Module& module) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::filesystem::path folder = program.parent_path();
-  const std::array<std::filesystem::path, 4> places = {folder, folder.parent_path(),
-                                                       folder.parent_path() / ORASP_MODULE_FOLDER,
-                                                       ORASP_INSTALLED_MODULE_FOLDER};
+  std::vector<std::filesystem::path> places = {folder, folder.parent_path(),
+                                               folder.parent_path() / ORASP_MODULE_FOLDER,
+                                               ORASP_INSTALLED_MODULE_FOLDER};
+  // This library may stand in a shared object, of which the program knows nothing: Python's, say.
+  Dl_info here{};
+  if (dladdr(reinterpret_cast<const void*>(&module_file), &here) != 0 && here.dli_fname != nullptr)
+    places.insert(places.begin(), std::filesystem::path(here.dli_fname).parent_path());
   for (const std::filesystem::path& place : places) {
     if (std::filesystem::is_regular_file(place / module.file, error)) return place / module.file;
   }

@@ -25,8 +25,8 @@ struct Module {
   std::string_view packages;
 };
 
-/// Where the module lies: beside the program, in the folder above, in ../lib/orasp, or where this
-/// library was to be installed.
+/// Where the module lies: beside the shared object that holds this library, beside the program, in
+/// the folder above, in ../lib/orasp, or where this library was to be installed.
 [[nodiscard]] std::optional<std::filesystem::path> module_file(const Module& module);
 
 /// Module::absent where the file is missing; else empty.

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -57,7 +58,12 @@ class RewardColumn {
   [[nodiscard]] std::uint64_t bytes() const {
     return narrow_.bytes() + wide_.bytes() + plain_.bytes();
   }
-  /// Distinct values, while numbered().
+  // The arrays themselves: where numbered(), the places in distinct() of all rewards, in one of the
+  // first two; else the rewards, in the third. The other two are empty.
+  [[nodiscard]] std::span<const std::uint8_t> narrow_numbers() const { return narrow_.span(); }
+  [[nodiscard]] std::span<const std::uint16_t> wide_numbers() const { return wide_.span(); }
+  [[nodiscard]] std::span<const double> plain_values() const { return plain_.span(); }
+  /// Distinct values, while numbered(); after the last, zeros up to 256.
   [[nodiscard]] const std::vector<double>& distinct() const { return table_; }
 
   /// Makes sure that all of `values` have numbers, widening or giving up numbering where there are

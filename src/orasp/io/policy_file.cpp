@@ -11,6 +11,8 @@
 
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/digest.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/model/detail/wording.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -193,6 +195,17 @@ PolicyFile parse_policy(std::string_view bytes) {
   } catch (const InputError& error) {
     throw InputError(std::string("the policy is not as it should be: ") + error.what());
   }
+}
+
+void require_trained_on(const Problem& problem, const PolicyFile& policy, std::string_view file) {
+  const std::string digest = problem_digest(problem);
+  if (policy.problem_digest == digest) return;
+  throw InputError(fmt::format(
+      "{} was trained on another problem than this one: on {} with digest {}..., not on {} with "
+      "{}..., objective, limits and "
+      "direction included",
+      file, detail::in_quotes(policy.problem_name), policy.problem_digest.substr(0, 12),
+      detail::in_quotes(problem.name()), digest.substr(0, 12)));
 }
 
 }  // namespace orasp

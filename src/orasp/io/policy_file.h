@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "orasp/learning/policy.h"
+#include "orasp/model/problem.h"
 
 namespace orasp {
 
@@ -20,5 +21,9 @@ struct PolicyFile {
 /// @throws InputError for bytes that are no policy, damaged, cut off, or of sizes that do not fit
 /// together.
 [[nodiscard]] PolicyFile parse_policy(std::string_view bytes);
+
+/// Refuses a policy that was trained on another problem than this one. `file` is what the sentence
+/// calls it. @throws InputError.
+void require_trained_on(const Problem& problem, const PolicyFile& policy, std::string_view file);
 
 }  // namespace orasp

@@ -2,20 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <map>
-#include <memory>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "orasp/io/detail/input_file.h"
 #include "orasp/io/detail/json_document.h"
 #include "orasp/io/detail/json_members.h"
 #include "orasp/io/detail/json_text.h"
@@ -567,33 +564,6 @@ std::string canonical_text(const Problem& problem) {
   return json.dump();
 }
 
-/// The bytes of a file, at most one more than may be read. @throws InputError with the reason,
-/// without the name.
-std::string file_bytes(const std::filesystem::path& file) {
-  const auto reason = [](int error) { return InputError(std::generic_category().message(error)); };
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored))
-    throw InputError("it is a directory, not a file");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"),
-                                                               std::fclose);
-  if (!stream) throw reason(errno);
-  std::string bytes;
-  constexpr std::size_t kChunk = std::size_t{1} << 20U;
-  const auto size = std::filesystem::file_size(file, ignored);
-  if (!ignored && size > detail::kMaxJsonBytes) throw InputError("it is larger than 256 MiB");
-  if (!ignored) bytes.reserve(static_cast<std::size_t>(size) + kChunk);
-  while (bytes.size() <= detail::kMaxJsonBytes) {
-    const std::size_t before = bytes.size();
-    bytes.resize(before + kChunk);
-    const std::size_t got = std::fread(bytes.data() + before, 1, kChunk, stream.get());
-    bytes.resize(before + got);
-    if (got == kChunk) continue;
-    if (std::ferror(stream.get()) != 0) throw reason(errno);
-    return bytes;
-  }
-  throw InputError("it is larger than 256 MiB");
-}
-
 }  // namespace
 
 ProblemSpec detail::parse_problem_spec(std::string_view json) {
@@ -609,7 +579,7 @@ Problem parse_problem(std::string_view json) {
 
 Problem read_problem(const std::filesystem::path& file) {
   try {
-    return parse_problem(file_bytes(file));
+    return parse_problem(detail::input_bytes(file));
   } catch (const InputError& error) {
     throw InputError(file.string() + ": " + error.what());
   }

@@ -31,6 +31,9 @@ Expander::Scratch::Scratch(const Problem& the_problem, const TransitionSystem::R
     terms.push_back({addend.weight, term, std::move(own)});
   }
   if (rules.one_counting_term) size_costs = terms.front().term->size_costs();
+  if (!rules.wide && terms.size() == 1 && terms.front().weight == 1 &&
+      terms.front().term->can_take_notes())
+    notes = terms.front().term;
   if (any_order != nullptr) in_any_order = std::make_unique<Expander>(*any_order);
 }
 
@@ -244,13 +247,21 @@ std::span<const Action> Expander::Scratch::legal_actions(SetView open) {
   }
   Action* next = actions.data();
   const std::size_t num_open = count(open);
+  if (notes != nullptr && !asking_many) notes->take_notes(true);
   for_each_connection(open, [&](ConnectionIndex c) {
     if (!rules.precedence_met(open, c)) return;
     const StepFacts facts = rules.making ? joining_facts(c, num_open) : removal_facts(c, num_open);
     if (rules.cuts_checked && facts.separates && !separation_legal(facts)) return;
     *next++ = {c, reward(facts)};
   });
+  if (notes != nullptr && !asking_many) fill_in_rewards({actions.data(), next});
   return in_order(open, {actions.data(), next});
+}
+
+// Their rewards are the places of the steps in the notes, so far.
+void Expander::Scratch::fill_in_rewards(std::span<Action> noted) const {
+  const std::span<const double> rewards = notes->noted_rewards();
+  for (Action& action : noted) action.reward = rewards[static_cast<std::size_t>(action.reward)];
 }
 
 // Leaves out what cannot be next, and what is late while something else can be done.
@@ -350,6 +361,37 @@ std::span<const Action> Expander::loaded_actions(std::span<const std::uint64_t> 
   if (s.rules.wide || !s.connectivity.takes_batches()) return legal_actions(open);
   s.connectivity.select(i);
   return s.legal_actions(open);
+}
+
+bool Expander::asks_for_many() const {
+  return scratch_->notes != nullptr;
+}
+
+void Expander::expand_many(std::span<const std::uint64_t> states) {
+  Scratch& s = *scratch_;
+  s.actions_of_many.clear();
+  s.ends_of_many.clear();
+  s.asking_many = true;
+  s.notes->take_notes(true);
+  const std::size_t words = system_.words();
+  const std::size_t size = states.size() / words;
+  for (std::size_t begin = 0; begin < size; begin += kBatch) {
+    const std::size_t batch = std::min(kBatch, size - begin);
+    const auto loaded = states.subspan(begin * words, batch * words);
+    load(loaded);
+    for (std::size_t i = 0; i < batch; ++i) {
+      const std::span<const Action> actions = loaded_actions(loaded, i);
+      s.actions_of_many.insert(s.actions_of_many.end(), actions.begin(), actions.end());
+      s.ends_of_many.push_back(s.actions_of_many.size());
+    }
+  }
+  s.asking_many = false;
+  s.fill_in_rewards(s.actions_of_many);
+}
+
+std::span<const Action> Expander::actions_of_many(std::size_t i) const {
+  const std::size_t begin = i == 0 ? 0 : scratch_->ends_of_many[i - 1];
+  return std::span(scratch_->actions_of_many).subspan(begin, scratch_->ends_of_many[i] - begin);
 }
 
 Step Expander::step(SetView open, ConnectionIndex connection) {

@@ -323,6 +323,14 @@ class Expander {
   void for_each_expansion(std::span<const std::uint64_t> states, Visit&& visit) {
     const std::size_t words = system_.words();
     const std::size_t size = states.size() / words;
+    if (asks_for_many()) {
+      for (std::size_t begin = 0; begin < size; begin += kMostAsked) {
+        const std::size_t many = size - begin < kMostAsked ? size - begin : kMostAsked;
+        expand_many(states.subspan(begin * words, many * words));
+        for (std::size_t i = 0; i < many; ++i) visit(begin + i, actions_of_many(i));
+      }
+      return;
+    }
     for (std::size_t begin = 0; begin < size; begin += kBatch) {
       const std::size_t batch = size - begin < kBatch ? size - begin : kBatch;
       const auto loaded = states.subspan(begin * words, batch * words);
@@ -375,7 +383,12 @@ class Expander {
 
  private:
   static constexpr std::size_t kBatch = 8;
+  /// States whose steps a function of many steps (Callable::rewards) is asked about at once.
+  static constexpr std::size_t kMostAsked = 4096;
   struct Scratch;
+  [[nodiscard]] bool asks_for_many() const;
+  void expand_many(std::span<const std::uint64_t> states);
+  [[nodiscard]] std::span<const Action> actions_of_many(std::size_t i) const;
   void load(std::span<const std::uint64_t> states);
   [[nodiscard]] std::span<const Action> loaded_actions(std::span<const std::uint64_t> states,
                                                        std::size_t i);

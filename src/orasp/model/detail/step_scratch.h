@@ -48,6 +48,12 @@ struct Expander::Scratch {
   std::vector<TermOfThread> terms;
   /// Where the objective is nothing but costs by size, these.
   const SizeCosts* size_costs = nullptr;
+  /// Where the objective is a function of many steps, it.
+  const ObjectiveTerm* notes = nullptr;
+  /// Whether it is asked about many states: their actions, and where those of each state end.
+  bool asking_many = false;
+  std::vector<Action> actions_of_many;
+  std::vector<std::size_t> ends_of_many;
   std::vector<std::uint64_t> present_words;  ///< where what is there differs from the open set
   std::vector<std::uint64_t> present_batch;  ///< the same for several states
   detail::Connectivity connectivity;
@@ -124,6 +130,7 @@ struct Expander::Scratch {
   template <class Reward>
   [[nodiscard]] std::span<Action> removals(SetView open, Reward&& reward_of);
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
+  void fill_in_rewards(std::span<Action> noted) const;
   [[nodiscard]] std::span<const Action> in_order(SetView open, std::span<Action> legal);
   [[nodiscard]] bool constraints_met(SetView open, ConnectionIndex c);
   [[nodiscard]] bool ruled_out_first(SetView open, ConnectionIndex c) const;

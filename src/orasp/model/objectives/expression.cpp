@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "orasp/model/detail/step_variables.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/objectives/objective_kind.h"
 #include "orasp/model/tolerance.h"
@@ -70,24 +70,7 @@ class ExpressionTerm : public ObjectiveTerm {
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const override {
     if (sees.counting) return reward_of_sizes(facts, pieces);
-    FormulaVariables variables;
-    variables.before = static_cast<double>(facts.before);
-    variables.after = static_cast<double>(facts.after);
-    variables.separates = facts.separates ? 1 : 0;
-    variables.completes = facts.completes ? 1 : 0;
-    variables.subassemblies = static_cast<double>(totals_.assembly ? facts.subassemblies_joined
-                                                                   : facts.subassemblies_apart);
-    variables.duration = pieces.duration(facts);
-    variables.index = facts.connection;
-    variables.elapsed = facts.elapsed;
-    if (facts.separates) {
-      variables.moved_parts = movement.moved_parts;
-      variables.kept_parts = movement.kept_parts;
-      variables.moved_mass = movement.moved_mass;
-      variables.kept_mass = movement.kept_mass;
-      if (movement.moves)
-        variables.distance = pieces.distance(movement.a_moves, expression_.depot).value_or(0);
-    }
+    FormulaVariables variables = detail::variables_of(facts, movement, pieces, expression_.depot);
     if (!used_.empty()) variables.own = own_numbers(facts, movement, pieces);
     return pieces.checked(formula_->value(variables), facts);
   }
@@ -108,16 +91,7 @@ class ExpressionTerm : public ObjectiveTerm {
   [[nodiscard]] std::span<const double> own_numbers(const detail::StepFacts& facts,
                                                     const detail::Movement& movement,
                                                     const detail::StepPieces& pieces) const {
-    for (const std::size_t i : used_) {
-      const std::string& name = totals_.own_numbers[i];
-      own_[3 * i] = pieces.number(facts, name);
-      own_[3 * i + 1] = own_[3 * i + 2] = 0;
-      if (!facts.separates) continue;
-      const double a = pieces.sum(pieces.a, name);
-      const double b = pieces.sum(pieces.b, name);
-      own_[3 * i + 1] = !movement.moves ? 0.0 : movement.a_moves ? a : b;
-      own_[3 * i + 2] = !movement.moves ? a + b : movement.a_moves ? b : a;
-    }
+    for (const std::size_t i : used_) detail::own_numbers_of(facts, movement, pieces, i, own_);
     return own_;
   }
 
@@ -150,53 +124,22 @@ class ExpressionTerm : public ObjectiveTerm {
   mutable std::vector<double> table_;
 };
 
-/// The names of all numbers that a problem states, ascending.
-std::vector<std::string> numbers_of(const ProblemSpec& problem) {
-  std::set<std::string> names;
-  for (const Part& part : problem.parts) {
-    for (const auto& number : part.numbers) names.insert(number.first);
-  }
-  for (const Connection& connection : problem.connections) {
-    for (const auto& number : connection.numbers) names.insert(number.first);
-  }
-  return {names.begin(), names.end()};
-}
-
 /// The formula in the check of plans.
 class CheckedFormula {
  public:
   CheckedFormula(const Expression& expression, const detail::CheckedProblem& problem)
       : expression_(expression),
         problem_(problem),
-        numbers_(numbers_of(problem.problem().spec())),
+        numbers_(detail::numbers_of(problem.problem().spec())),
         formula_(
             expression.compiler(expression.formula, expression.constants, own_names(numbers_))),
         measures_(formula_->uses("moved_mass") || formula_->uses("kept_mass") ||
                   formula_->uses("distance") || formula_->uses("elapsed") || uses_own_sums()) {}
 
   detail::CheckedValue operator()(const detail::SeenStep& step) const {
-    FormulaVariables seen;
-    seen.before = static_cast<double>(step.before);
-    seen.after = static_cast<double>(step.after);
-    seen.separates = step.separates ? 1 : 0;
-    seen.completes = step.completes ? 1 : 0;
-    seen.moved_parts = static_cast<double>(step.moved_parts);
-    seen.kept_parts = static_cast<double>(step.a_parts + step.b_parts - step.moved_parts);
-    seen.elapsed = step.elapsed;
-    seen.moved_mass = step.moved_mass;
-    seen.kept_mass = step.kept_mass;
-    seen.subassemblies = static_cast<double>(step.subassemblies);
-    seen.duration = step.duration;
-    seen.index = static_cast<double>(step.connection);
-    std::vector<double> own;
-    for (const std::string& name : numbers_) {
-      own.push_back(step.number(name));
-      own.push_back(step.moved_number(name));
-      own.push_back(step.kept_number(name));
-    }
+    FormulaVariables seen = detail::variables_of(step, expression_.depot);
+    const std::vector<double> own = detail::own_numbers_of(step, numbers_);
     seen.own = own;
-    if (step.moved_centroid)
-      seen.distance = detail::metres_between(*step.moved_centroid, expression_.depot);
     detail::CheckedValue found{formula_->value(seen)};
     if (measures_) found.rounding = rounding(step, seen, found.reward);
     return found;
@@ -274,13 +217,13 @@ class ExpressionKind : public ObjectiveKindOf<Expression> {
                           const std::string& place) const override {
     try {
       (void)expression.compiler(expression.formula, expression.constants,
-                                own_names(numbers_of(problem)));
+                                own_names(detail::numbers_of(problem)));
     } catch (const InputError& error) {
       throw InputError(detail::at(place + ".formula", error.what()));
     }
     if (problem.action == StepKind::Connection) return;
     const auto formula = expression.compiler(expression.formula, expression.constants,
-                                             own_names(numbers_of(problem)));
+                                             own_names(detail::numbers_of(problem)));
     if (formula->uses("index"))
       throw InputError(detail::at(place + ".formula",
                                   "\"index\" is the place of one connection, and with \"action\": "

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -103,6 +104,15 @@ class ObjectiveTerm {
   [[nodiscard]] virtual double reward(const detail::StepFacts& facts,
                                       const detail::Movement& movement,
                                       const detail::StepPieces& pieces) const = 0;
+
+  /// Whether rewards are better asked for many at once (Callable::rewards): a copy for one thread,
+  /// while it takes notes, keeps each step that `reward` is asked for and gives its place among
+  /// those kept, from 0; noted_rewards() then gives what they earn, in that order.
+  [[nodiscard]] virtual bool can_take_notes() const { return false; }
+  /// Begins anew, or ends.
+  virtual void take_notes(bool begin) const { static_cast<void>(begin); }
+  /// Ends taking notes. @throws InputError as `reward`.
+  [[nodiscard]] virtual std::span<const double> noted_rewards() const { return {}; }
 
   /// The same as costs by size, if it can be said so.
   [[nodiscard]] virtual const SizeCosts* size_costs() const { return nullptr; }

@@ -1,11 +1,11 @@
-#include "cli/output/random_rewards.h"
+#include "orasp/planners/random_rewards.h"
 
 #include <utility>
 
 #include "orasp/model/random.h"
 #include "orasp/planners/random_sequence.h"
 
-namespace orasp::cli {
+namespace orasp {
 
 RandomRewards draw_rewards(const TransitionSystem& system, std::uint64_t count, std::uint64_t seed,
                            bool with_sequences, const Budget& budget) {
@@ -24,4 +24,4 @@ RandomRewards draw_rewards(const TransitionSystem& system, std::uint64_t count, 
   return drawn;
 }
 
-}  // namespace orasp::cli
+}  // namespace orasp

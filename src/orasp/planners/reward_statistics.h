@@ -3,10 +3,10 @@
 #include <array>
 #include <vector>
 
-namespace orasp::cli {
+namespace orasp {
 
 /// What is reported of a list of rewards; all 0 where there are none.
-struct Figures {
+struct RewardFigures {
   double mean = 0;
   double deviation = 0;  ///< of the sample: n - 1 in the denominator; 0 for a single reward
   double least = 0;
@@ -15,6 +15,6 @@ struct Figures {
 };
 
 /// O(n log n).
-[[nodiscard]] Figures figures_of(std::vector<double> rewards);
+[[nodiscard]] RewardFigures figures_of(std::vector<double> rewards);
 
-}  // namespace orasp::cli
+}  // namespace orasp

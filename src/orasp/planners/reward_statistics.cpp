@@ -1,10 +1,10 @@
-#include "cli/output/reward_statistics.h"
+#include "orasp/planners/reward_statistics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-namespace orasp::cli {
+namespace orasp {
 namespace {
 
 /// The value below which the share `share` of the sorted numbers lies, linear between neighbours.
@@ -18,8 +18,8 @@ double quantile(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-Figures figures_of(std::vector<double> rewards) {
-  Figures figures;
+RewardFigures figures_of(std::vector<double> rewards) {
+  RewardFigures figures;
   if (rewards.empty()) return figures;
   std::ranges::sort(rewards);
   const auto n = static_cast<double>(rewards.size());
@@ -37,4 +37,4 @@ Figures figures_of(std::vector<double> rewards) {
   return figures;
 }
 
-}  // namespace orasp::cli
+}  // namespace orasp

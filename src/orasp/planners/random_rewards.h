@@ -7,7 +7,7 @@
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
-namespace orasp::cli {
+namespace orasp {
 
 /// Uniformly random legal sequences and what they earn.
 struct RandomRewards {
@@ -22,4 +22,4 @@ struct RandomRewards {
                                          std::uint64_t seed, bool with_sequences,
                                          const Budget& budget);
 
-}  // namespace orasp::cli
+}  // namespace orasp

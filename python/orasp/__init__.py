@@ -1,0 +1,128 @@
+"""The best order in which robots put a product together or take it apart, with proof.
+
+>>> import orasp
+>>> result = orasp.solve("hubble")
+>>> result.status, result.reward
+('optimal', -0.9902)
+
+The parts of the package:
+
+* problems: :class:`Problem`, :func:`load`, :func:`scenarios`, :func:`import_model`
+* plans: :func:`solve`, :class:`Result`, :func:`methods`, :func:`obstacle`
+* the work as it goes on: :func:`replan`, :class:`Replanner`
+* questions: :func:`evaluate`, :func:`explain`, :func:`explain_connection`, :func:`sample`,
+  :func:`simulate`, :func:`compare`
+* H as arrays: :func:`graph`, :class:`Graph`, :func:`estimate_graph`
+* rewards of your own: :class:`Reward`
+* learning: :func:`train`, :class:`Policy`, :class:`Environment`, :class:`VectorEnvironment`
+* pages and pictures: :func:`report`, ``.svg()`` of problems, plans and graphs
+
+What is wrong with an input is an :class:`InputError`, a ValueError with one sentence.
+"""
+
+from orasp._graph import Graph, GraphEstimate, GraphSize, estimate_graph, graph
+from orasp._learning import Policy, Training, learning_available, train
+from orasp._models import ImportedModel, import_model
+from orasp._orasp import InputError
+from orasp._problem import OraspWarning, Problem, ProblemLike, Scenario, load, scenarios
+from orasp._questions import (
+    Comparison,
+    Conflict,
+    ConnectionExplanation,
+    Evaluation,
+    Explanation,
+    Sample,
+    Simulation,
+    Statistics,
+    Violation,
+    compare,
+    evaluate,
+    explain,
+    explain_connection,
+    sample,
+    simulate,
+)
+from orasp._replan import Changes, Replanned, Replanner, replan
+from orasp._report import Report, distribution_svg, report, tree_svg
+from orasp._reward import ObjectiveLike, Reward, Step, Steps
+from orasp._solve import (
+    Alternative,
+    Expectation,
+    FleetStep,
+    Method,
+    Move,
+    Operation,
+    Option,
+    PlanLike,
+    PlanStep,
+    Progress,
+    Result,
+    methods,
+    obstacle,
+    solve,
+)
+from orasp.environment import Environment, VectorEnvironment
+
+__all__ = [
+    "Alternative",
+    "Changes",
+    "Comparison",
+    "Conflict",
+    "ConnectionExplanation",
+    "Environment",
+    "Evaluation",
+    "Expectation",
+    "Explanation",
+    "FleetStep",
+    "Graph",
+    "GraphEstimate",
+    "GraphSize",
+    "ImportedModel",
+    "InputError",
+    "Method",
+    "Move",
+    "ObjectiveLike",
+    "Operation",
+    "Option",
+    "OraspWarning",
+    "PlanLike",
+    "PlanStep",
+    "Policy",
+    "Problem",
+    "ProblemLike",
+    "Progress",
+    "Replanned",
+    "Replanner",
+    "Report",
+    "Result",
+    "Reward",
+    "Sample",
+    "Scenario",
+    "Simulation",
+    "Statistics",
+    "Step",
+    "Steps",
+    "Training",
+    "VectorEnvironment",
+    "Violation",
+    "compare",
+    "distribution_svg",
+    "estimate_graph",
+    "evaluate",
+    "explain",
+    "explain_connection",
+    "graph",
+    "import_model",
+    "learning_available",
+    "load",
+    "methods",
+    "obstacle",
+    "replan",
+    "report",
+    "sample",
+    "scenarios",
+    "simulate",
+    "solve",
+    "train",
+    "tree_svg",
+]

@@ -1,0 +1,217 @@
+#include "watch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <signal.h>
+
+#include <pybind11/stl.h>
+
+#include "bindings.h"
+#include "orasp/task/memory_limit.h"
+
+namespace py = pybind11;
+
+namespace orasp::python {
+namespace {
+
+constexpr std::chrono::milliseconds kLookEvery{20};
+
+/// Counts the SIGINTs that come while somebody works, beside what is done about them anyway.
+class Interrupts {
+ public:
+  static Interrupts& all() {
+    static Interrupts interrupts;
+    return interrupts;
+  }
+  /// Between these the signals are counted.
+  void enter() {
+    const std::scoped_lock lock(mutex_);
+    if (working_++ > 0) return;
+    struct sigaction now {};
+    if (sigaction(SIGINT, nullptr, &now) != 0) return;
+    // Where SIGINT is ignored or kills the process there is no handler to go before.
+    if ((now.sa_flags & SA_SIGINFO) != 0 || now.sa_handler == SIG_DFL || now.sa_handler == SIG_IGN)
+      return;
+    before_ = now.sa_handler;
+    now.sa_handler = &Interrupts::count;
+    installed_ = sigaction(SIGINT, &now, nullptr) == 0;
+  }
+  void leave() {
+    const std::scoped_lock lock(mutex_);
+    if (--working_ > 0 || !installed_) return;
+    installed_ = false;
+    struct sigaction now {};
+    if (sigaction(SIGINT, nullptr, &now) != 0 || now.sa_handler != &Interrupts::count) return;
+    now.sa_handler = before_;
+    sigaction(SIGINT, &now, nullptr);
+  }
+  [[nodiscard]] static int counted() { return counted_; }
+
+ private:
+  static void count(int signal) {
+    ++counted_;
+    if (before_ != nullptr) before_(signal);
+  }
+  using Handler = void (*)(int);
+  static inline std::atomic<int> counted_ = 0;
+  static inline std::atomic<Handler> before_ = nullptr;
+  static_assert(std::atomic<int>::is_always_lock_free && std::atomic<Handler>::is_always_lock_free);
+  std::mutex mutex_;
+  int working_ = 0;
+  bool installed_ = false;
+};
+
+/// The last thing that a planner told.
+class Told {
+ public:
+  void tell(const Progress& progress) {
+    const std::scoped_lock lock(mutex_);
+    phase_ = progress.phase;
+    last_ = progress;
+    fresh_ = true;
+  }
+  /// Calls back with what was told since the last time, if anything was.
+  void pass_on(const py::object& callback) {
+    std::string phase;
+    Progress last;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!fresh_) return;
+      fresh_ = false;
+      phase = phase_;
+      last = last_;
+    }
+    callback(phase, last.done, last.total, last.states, last.best);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string phase_;
+  Progress last_;
+  bool fresh_ = false;
+};
+
+bool is_main_thread() {
+  const py::module_ threading = py::module_::import("threading");
+  return threading.attr("current_thread")().is(threading.attr("main_thread")());
+}
+
+/// Whether Python raises KeyboardInterrupt on SIGINT, as it does unless told otherwise.
+bool interrupts_raise() {
+  const py::module_ signal = py::module_::import("signal");
+  return signal.attr("getsignal")(signal.attr("SIGINT")).is(signal.attr("default_int_handler"));
+}
+
+}  // namespace
+
+void run_watched(const Run& run, bool keeps_partial,
+                 const std::function<void(const Budget&)>& work) {
+  Budget budget;
+  budget.max_bytes = run.memory_limit ? *run.memory_limit << 20U : default_memory_limit();
+  budget.threads = run.threads      ? static_cast<unsigned>(*run.threads)
+                   : run.calls_back ? 1U
+                                    : std::max(1U, std::thread::hardware_concurrency());
+  if (run.time_limit) budget.set_time_limit(*run.time_limit);
+  std::stop_source source;
+  budget.stop = source.get_token();
+  Told told;
+  if (!run.progress.is_none())
+    budget.progress = [&told](const Progress& progress) { told.tell(progress); };
+
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool has_ended = false;
+  std::exception_ptr failure;  // of the work
+  std::exception_ptr raised;   // by a callback, or by a handler of signals
+  int interrupts = 0;
+  const bool in_main_thread = is_main_thread();
+  int counted = Interrupts::counted();
+
+  // With the lock of the interpreter.
+  const auto look = [&] {
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!in_main_thread && Interrupts::counted() != counted) {
+        counted = Interrupts::counted();
+        if (interrupts_raise()) {
+          ++interrupts;
+          source.request_stop();
+        }
+      }
+      if (raised || interrupts > 0) return;
+      if (!run.progress.is_none()) told.pass_on(run.progress);
+      if (!run.stop.is_none() && run.stop.attr("is_set")().cast<bool>()) source.request_stop();
+    } catch (py::error_already_set& error) {
+      source.request_stop();
+      if (error.matches(PyExc_KeyboardInterrupt)) {
+        ++interrupts;
+      } else if (!raised) {
+        raised = std::current_exception();
+      }
+    }
+  };
+
+  Interrupts::all().enter();
+  {
+    const py::gil_scoped_release released;
+    std::thread worker([&] {
+      try {
+        // Held in between, what Python knows of this thread is made once, not at each call.
+        std::optional<py::gil_scoped_acquire> known;
+        std::optional<py::gil_scoped_release> let_go;
+        if (run.calls_back) {
+          known.emplace();
+          let_go.emplace();
+        }
+        work(budget);
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      const std::scoped_lock lock(mutex);
+      has_ended = true;
+      ended.notify_all();
+    });
+    for (std::unique_lock lock(mutex);
+         !ended.wait_for(lock, kLookEvery, [&] { return has_ended; });) {
+      lock.unlock();
+      {
+        const py::gil_scoped_acquire acquired;
+        look();
+      }
+      lock.lock();
+    }
+    worker.join();
+  }
+  Interrupts::all().leave();
+  if (!raised && interrupts == 0) look();
+  if (raised) std::rethrow_exception(raised);
+  if (failure) std::rethrow_exception(failure);
+  if (interrupts > 1 || (interrupts == 1 && !keeps_partial)) {
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    throw py::error_already_set();
+  }
+}
+
+void bind_run(py::module_& module) {
+  py::class_<Run>(module, "Run")
+      .def(py::init([](std::optional<double> time_limit, std::optional<std::uint64_t> memory_limit,
+                       std::optional<std::uint64_t> threads, py::object progress, py::object stop) {
+             return Run{time_limit, memory_limit, threads, std::move(progress), std::move(stop)};
+           }),
+           py::arg("time_limit") = std::nullopt, py::arg("memory_limit") = std::nullopt,
+           py::arg("threads") = std::nullopt, py::arg("progress") = py::none(),
+           py::arg("stop") = py::none());
+}
+
+}  // namespace orasp::python
