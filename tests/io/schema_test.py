@@ -168,7 +168,7 @@ def changed(document, path, value):
 class Schemas(unittest.TestCase):
     def test_are_schemas(self):
         names = sorted(path.name for path in (ROOT / "schemas").iterdir())
-        self.assertEqual(len(names), 4)
+        self.assertEqual(len(names), 5)
         for name in names:
             schema = json.loads((ROOT / "schemas" / name).read_text(encoding="utf-8"))
             jsonschema.Draft202012Validator.check_schema(schema)
