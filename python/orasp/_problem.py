@@ -520,7 +520,7 @@ def load(source: ProblemLike) -> Problem:
 
     >>> import orasp
     >>> orasp.load("hubble")
-    <orasp.Problem 'Hubble Space Telescope': 11 parts, 14 connections, cubesat, disassembly>
+    <orasp.Problem 'Hubble': 20 parts, 19 connections, cubesat, disassembly>
     """
     if isinstance(source, Problem):
         return source

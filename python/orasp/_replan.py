@@ -74,7 +74,7 @@ def replan(
     >>> plan = orasp.solve("hubble")
     >>> rest = orasp.replan("hubble", plan=plan, done=5, inaccessible=plan.connections[5])
     >>> rest.status, len(rest.connections), rest.changes.dropped == [plan.connections[5]]
-    ('optimal', 8, True)
+    ('optimal', 13, True)
     """
     given = load(problem).edited(**changes)
     lists = {
@@ -127,9 +127,9 @@ class Replanner:
     >>> cell = orasp.Replanner("hubble")
     >>> plan = cell.plan()
     >>> cell.done(plan.connections[0])
-    >>> cell.set_accessible(plan.connections[1], False)
+    >>> cell.set_accessible(plan.connections[2], False)
     >>> cell.plan().status, len(cell.plan().connections)
-    ('optimal', 12)
+    ('optimal', 17)
     """
 
     def __init__(

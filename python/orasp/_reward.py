@@ -31,10 +31,10 @@ class Reward:
     >>> import orasp
     >>> heavy = orasp.Reward(lambda step: -step.moved_mass, name="heavy", greatest=0)
     >>> orasp.solve("4piece", objective=heavy).reward
-    -4.0
+    -3.0
     >>> many = orasp.Reward(lambda steps: -steps.moved_mass, vectorized=True, greatest=0)
     >>> orasp.solve("4piece", objective=many).reward
-    -4.0
+    -3.0
     """
 
     def __init__(

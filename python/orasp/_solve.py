@@ -483,7 +483,7 @@ def solve(
     >>> import orasp
     >>> orasp.solve("hubble").status
     'optimal'
-    >>> orasp.solve("hubble", "beam", bound="parts", max_moved_parts=3).reward
+    >>> orasp.solve("hubble", "beam", bound="sizes", max_moved_parts=3).reward
     -0.9902
     """
     given = load(problem).edited(

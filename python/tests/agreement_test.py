@@ -8,8 +8,6 @@ from pathlib import Path
 import orasp
 from program import parsed, random_problem, run, sentence, without_times
 
-SLOW = {"jwst", "jwst-upc", "iss", "iss-upc", "table-hemnes", "fleet-iss"}
-
 
 def answer(call):
     """The JSON of a result without times, or the sentence of an error."""
@@ -61,6 +59,8 @@ class Agreement(unittest.TestCase):
             if method.name == "dqn":
                 continue  # learning_test.py
             for name in ("4piece", "fleet-lattice", "table-hemnes"):
+                if (method.name, name) == ("mip", "table-hemnes"):
+                    continue  # takes longer than a minute, and where a limit stops it depends on the machine
                 with self.subTest(method=method.name, problem=name):
                     self.assertEqual(answer(lambda: orasp.solve(name, method.name, threads=1, time_limit=60)),
                                      program_answer("solve", name, "--method", method.name, "--threads", "1", "--time-limit",
@@ -79,11 +79,11 @@ class Agreement(unittest.TestCase):
                     if method.name == "dqn":
                         continue
                     with self.subTest(method=method.name, option=option.name, value=value):
-                        result = orasp.solve("4piece", method.name, **{option.name: value})
+                        here = answer(lambda: orasp.solve("4piece", method.name, **{option.name: value}))
                         there = ["--" + option.name.replace("_", "-")]
                         if option.kind != "flag":
                             there.append(",".join(map(str, value)) if option.kind == "wholes" else str(value))
-                        self.assertEqual(without_times(result.to_dict()),
+                        self.assertEqual(here,
                                          program_answer("solve", "4piece", "--method", method.name, *there, "--json"))
                 if option.kind in ("whole", "wholes", "real", "choice"):
                     with self.subTest(method=method.name, option=option.name, value="nonsense"):

@@ -75,3 +75,8 @@ def random_problem(seed):
     if draw.random() < 0.15:
         problem["base"] = [parts[0]["id"]]
     return problem
+
+
+def program_answer_of_training(*arguments):
+    """What `orasp train --json` says."""
+    return json.loads(run("train", *arguments, "--json")[1])

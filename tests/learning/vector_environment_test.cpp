@@ -352,16 +352,15 @@ struct Counts {
   std::size_t dead_ends = 0;
   std::size_t steps = 0;
 };
-void play_beside_environment(const Problem& problem, std::size_t episodes, std::size_t steps,
-                             std::uint64_t seed, const VectorEnvironmentOptions& options,
-                             Counts& counts) {
-  const TransitionSystem system(problem);
+void play_beside_environment(const TransitionSystem& system, std::size_t episodes,
+                             std::size_t steps, std::uint64_t seed,
+                             const VectorEnvironmentOptions& options, Counts& counts) {
   Environment slow(system, episodes);
   if (system.infeasibility() || slow.over(0)) return;
   World world(system, episodes, options);
   world.environment.seed(seed);
   std::vector<std::vector<ConnectionIndex>> sequences(episodes);
-  std::vector<float> row(problem.num_connections());
+  std::vector<float> row(system.num_connections());
   for (std::size_t s = 0; s < steps; ++s) {
     world.random_step();
     for (std::size_t i = 0; i < episodes; ++i) {
@@ -378,7 +377,7 @@ void play_beside_environment(const Problem& problem, std::size_t episodes, std::
         ASSERT_EQ(World::row(world.finals, i, row.size()), row);
         if (slow.done(i)) {
           ++counts.finished;
-          const Evaluation plan = evaluate(problem, std::span<const ConnectionIndex>(sequences[i]));
+          const Evaluation plan = evaluate(system, std::span<const ConnectionIndex>(sequences[i]));
           ASSERT_TRUE(plan.valid);
           ASSERT_TRUE(near(plan.reward, world.returns[i]));
           ASSERT_GE(world.environment.best()->reward, world.returns[i]);
@@ -395,6 +394,12 @@ void play_beside_environment(const Problem& problem, std::size_t episodes, std::
       ASSERT_TRUE(std::ranges::equal(mask, row));
     }
   }
+}
+
+void play_beside_environment(const Problem& problem, std::size_t episodes, std::size_t steps,
+                             std::uint64_t seed, const VectorEnvironmentOptions& options,
+                             Counts& counts) {
+  play_beside_environment(TransitionSystem(problem), episodes, steps, seed, options, counts);
 }
 
 TEST(VectorEnvironment, SaysWhatEnvironmentSaysOnRandomProblems) {
@@ -427,6 +432,24 @@ TEST(VectorEnvironment, SaysWhatEnvironmentSaysOnScenarios) {
     ASSERT_NO_FATAL_FAILURE(play_beside_environment(assembly, 16, 70, 3, {}, counts));
   }
   EXPECT_GT(counts.finished, 100U);
+}
+
+TEST(VectorEnvironment, SaysWhatEnvironmentSaysInTheMiddleOfTheWork) {
+  Counts counts;
+  for (std::uint64_t seed = 1; seed <= some_of<std::uint64_t>(150); ++seed) {
+    SCOPED_TRACE(seed);
+    const Problem problem(random_problem(seed));
+    SplitMix64 random(seed);
+    Situation now = Situation::whole(problem.num_connections());
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      if (random.below(5) == 0) now.inaccessible.insert(c);
+      if (random.below(6) == 0) now.not_next.insert(c);
+      if (random.below(6) == 0) now.late.insert(c);
+    }
+    const TransitionSystem system(problem, now);
+    ASSERT_NO_FATAL_FAILURE(play_beside_environment(system, 4, 16, seed, {}, counts));
+  }
+  EXPECT_GT(counts.finished, more_than<std::size_t>(500));
 }
 
 TEST(VectorEnvironment, TakesMoreThan64Connections) {
