@@ -269,6 +269,14 @@ TEST(Graphml, LeavesOutNamesThatFormulasHaveAlready) {
   EXPECT_EQ(read_back.notes.size(), 4U);
 }
 
+TEST(Graphml, SaysNothingOfDescriptionsThatAreEmpty) {
+  const std::string keys = R"(<key id="g" for="graph" attr.name="Description" attr.type="string"/>)"
+                           R"(<key id="n" for="node" attr.name="url" attr.type="string"/>)";
+  const std::string text =
+      graphml(keys, R"(<data key="g"/><node id="1"><data key="n" xml:space="preserve"/></node>)");
+  EXPECT_TRUE(read_format(text, "graphml").notes.empty());
+}
+
 TEST(Graphml, ReadsEdgesThatJoinANodeToItselfAndDirectedGraphs) {
   const Converted loop = read_format(
       kHead + R"(<graph edgedefault="directed"><node id="1"/><edge source="1" target="1"/></graph>)"

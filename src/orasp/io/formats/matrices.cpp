@@ -188,13 +188,16 @@ class MatrixReader {
       note_contradictions(axis, converted);
     }
     if (blocking.directions.empty()) return;
+    std::vector<const Matrix*> stated;
+    for (const char* name : kDirectionNames) {
+      const auto found = matrices_.find(name);
+      if (found != matrices_.end()) stated.push_back(&found->second);
+    }
     for (std::size_t i = 0; i < ids_.size(); ++i) {
       for (std::size_t j = 0; j < ids_.size(); ++j) {
         std::vector<std::string> directions;
-        for (const char* name : kDirectionNames) {
-          const auto found = matrices_.find(name);
-          if (found != matrices_.end() && found->second.cells[i][j]) directions.emplace_back(name);
-        }
+        for (const Matrix* matrix : stated)
+          if (matrix->cells[i][j]) directions.push_back(matrix->name);
         if (!directions.empty())
           blocking.blocked.push_back({ids_[i], ids_[j], std::move(directions)});
       }

@@ -59,6 +59,11 @@ class Values {
   std::map<std::string, const GraphValue*, std::less<>> values_;
 };
 
+/// yEd writes its descriptions even where there are none.
+bool says_nothing(const GraphValue& value) {
+  return value.kind == Kind::Text && value.text.empty();
+}
+
 std::string text_of(const GraphValue& value) {
   return value.kind == Kind::Number ? number_text(value.number) : value.text;
 }
@@ -162,7 +167,7 @@ void GraphBuilder::add_part(std::size_t mark, std::string id,
   for (const auto& [own, value] : values.rest()) {
     if (value->kind == Kind::Number) {
       part.numbers[own] = value->number;
-    } else {
+    } else if (!says_nothing(*value)) {
       left_out(in_quotes(own), "part", "parts have numbers of their own, but no words");
     }
   }
@@ -224,6 +229,7 @@ void GraphBuilder::add_connection(std::size_t mark, std::string file_id, const s
 }
 
 void GraphBuilder::set_graph_value(const GraphValue& value) {
+  if (says_nothing(value)) return;
   if (value.name == "name" || value.name == "label") {
     name_ = text_of(value);
   } else if (value.name == kRestName && value.kind == Kind::Text) {
