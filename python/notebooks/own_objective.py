@@ -7,6 +7,7 @@
 import time
 
 import numpy as np
+import numpy.typing as npt
 import orasp
 
 problem = orasp.load("lattice")
@@ -25,11 +26,11 @@ print(plan.status, plan.reward)
 
 
 # %%
-def lifting_many(steps: orasp.Steps) -> np.ndarray:
+def lifting_many(steps: orasp.Steps) -> npt.NDArray[np.float64]:
     return np.asarray(-1.0 - 10.0 * np.maximum(0.0, steps.moved_mass - 3.0))
 
 
-def seconds(objective: object) -> float:
+def seconds(objective: orasp.ObjectiveLike) -> float:
     began = time.perf_counter()
     orasp.solve(problem, "value-iteration", objective=objective)
     return time.perf_counter() - began

@@ -113,6 +113,13 @@ bool interrupts_raise() {
   return signal.attr("getsignal")(signal.attr("SIGINT")).is(signal.attr("default_int_handler"));
 }
 
+/// Python is ending, in another thread, and this one can never return to it: whoever takes the lock
+/// of the interpreter now is thrown out of it where it stands. Ends the work and waits.
+[[noreturn]] void wait_for_the_end(std::stop_source& source) {
+  source.request_stop();
+  while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
 }  // namespace
 
 void run_watched(const Run& run, bool keeps_partial,
@@ -185,6 +192,7 @@ void run_watched(const Run& run, bool keeps_partial,
     for (std::unique_lock lock(mutex);
          !ended.wait_for(lock, kLookEvery, [&] { return has_ended; });) {
       lock.unlock();
+      if (_Py_IsFinalizing() != 0) wait_for_the_end(source);
       {
         const py::gil_scoped_acquire acquired;
         look();

@@ -53,22 +53,35 @@ class Stopping(unittest.TestCase):
 import signal, threading, orasp
 signal.signal(signal.SIGINT, signal.default_int_handler)
 results = []
-worker = threading.Thread(target=lambda: results.append(orasp.solve("iss", method="orasp-search", bound="none", time_limit=30)))
-worker.start()
+ended = threading.Event()
+def work():
+    results.append(orasp.solve("iss", method="orasp-search", bound="none", time_limit=30))
+    ended.set()
+threading.Thread(target=work).start()
 print("ready", flush=True)
 try:
-    while worker.is_alive():
-        worker.join(0.05)
+    ended.wait()
 except KeyboardInterrupt:
-    worker.join(5)
-    print(worker.is_alive(), results[0].stopped, results[0].status)
+    print(ended.wait(5), results[0].stopped, results[0].status)
 """
         done = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
         self.assertEqual(done.stdout.readline(), "ready\n")
         time.sleep(0.5)
         done.send_signal(signal.SIGINT)
         out, _ = done.communicate(timeout=60)
-        self.assertEqual(out, "False interrupted feasible\n")
+        self.assertEqual(out, "True interrupted feasible\n")
+
+    def test_python_may_end_meanwhile(self):
+        """A thread that nobody waits for solves while the program ends: it ends at once, without a word."""
+        program = """
+import threading, time, orasp
+threading.Thread(target=lambda: orasp.solve("iss", method="orasp-search", bound="none", time_limit=30), daemon=True).start()
+time.sleep(0.3)
+"""
+        began = time.perf_counter()
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertLess(time.perf_counter() - began, 10)
 
     def test_a_handler_of_the_program_decides(self):
         """Where SIGINT has another handler that raises nothing, the work goes on."""
