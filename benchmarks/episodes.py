@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Steps a second of the environments of the Python package, on one core.
 
-    PYTHONPATH=build/release/python python3 benchmarks/episodes.py [PROBLEM...]
+    ./run python benchmarks/episodes.py [PROBLEM...]
 
 For each problem: `VectorEnvironment` with 1,024 episodes, masks and observations included, with actions that were drawn
 beforehand (states are then remembered, as far as memory allows), the same with `sample_actions` in the loop, the first round,

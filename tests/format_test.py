@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = ["src", "cli", "tests", "benchmarks", "examples", "fuzz"]
+FOLDERS = ["src", "cli", "python", "tests", "benchmarks", "examples", "fuzz"]
 LONGEST = 100
 SKIPPED = 77
 

@@ -17,7 +17,7 @@ except ImportError:
 
 ROOT = Path(__file__).resolve().parent.parent
 # Folders whose text is ours. web/ has a licence file of other people's among its sources.
-FOLDERS = ["src", "cli", "tests", "fuzz", "examples", "benchmarks", "tools", "cmake", "docs", "schemas", ".ci", ".github"]
+FOLDERS = ["src", "cli", "python", "tests", "fuzz", "examples", "benchmarks", "tools", "cmake", "docs", "schemas", ".ci", ".github"]
 SUFFIXES = {".h", ".cpp", ".py", ".sh", ".mjs", ".md", ".txt", ".cmake", ".in", ".bash", ".json", ".yml", ".1", ""}
 # Files that may name a folder beside the repository, since they skip where it is missing.
 KNOWS_SHARED = {"tests/files.h", "tests/planners/automatic_test.cpp", "tests/planners/known_values_test.cpp",

@@ -41,13 +41,14 @@ INTERNAL = {"containers"}
 # What every folder may include.
 GROUND = {"orasp/model/error.h", "orasp/model/index.h", "orasp/model/connection_set.h"}
 # Folders that use the library -> may they include its internal folders?
-USERS = {"cli": False, "benchmarks": False, "examples": False, "fuzz": True, "tests": True}
+USERS = {"cli": False, "python": False, "benchmarks": False, "examples": False, "fuzz": True, "tests": True}
 
 # First component of an included path -> the files that may include it. Nothing else is allowed.
 IO_INSIDE = r"src/orasp/(io|drawing|report)/(.*\.cpp|(.*/)?detail/.*)"
 THIRD_PARTY = {
     "nlohmann": rf"{IO_INSIDE}|(cli|tests|benchmarks)/.*",
-    "fmt": rf"{IO_INSIDE}|src/orasp/(catalogue|method_options)\.cpp|(cli|tests|benchmarks)/.*",
+    "fmt": rf"{IO_INSIDE}|src/orasp/(catalogue|method_options)\.cpp|(cli|python|tests|benchmarks)/.*",
+    "pybind11": r"python/src/.*",
     "meshoptimizer.h": r"src/orasp/report/part_shapes\.cpp",
     "muParser.h": r"src/orasp/io/.*\.cpp",
     "pugixml.hpp": r"src/orasp/io/formats/(.*\.cpp|detail/.*)",
@@ -161,6 +162,9 @@ ALLOWED = [
     ("cli/options/command_line.cpp", "<CLI/CLI.hpp>"),
     ("cli/solve.cpp", '"cli/solve.h"'),
     ("cli/solve.cpp", '"orasp/catalogue.h"'),
+    ("python/src/a.cpp", "<pybind11/pybind11.h>"),
+    ("python/src/a.cpp", '"bindings.h"'),
+    ("python/src/a.cpp", '"orasp/orasp.h"'),
     ("tests/a.cpp", '"orasp/containers/b.h"'),
     ("tests/a.cpp", "<gtest/gtest.h>"),
 ]
@@ -201,6 +205,9 @@ PLANTED = [
     ("cli/solve.cpp", '"tests/a.h"'),
     ("benchmarks/a.cpp", '"orasp/containers/b.h"'),
     ("examples/consumer/main.cpp", '"orasp/containers/b.h"'),
+    ("python/src/a.cpp", '"orasp/containers/b.h"'),
+    ("python/src/a.cpp", '"cli/options/problem_source.h"'),
+    ("src/orasp/io/a.cpp", "<pybind11/pybind11.h>"),
     ("tests/a.cpp", "<CLI/CLI.hpp>"),
 ]
 

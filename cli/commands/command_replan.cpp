@@ -114,7 +114,8 @@ std::string capped_ids(const Problem& problem, std::span<const ConnectionIndex> 
   return capped_list(ids, context.width() > 60 ? context.width() - 24 : 36);
 }
 
-std::string changes_text(const Problem& problem, const PlanChanges& changes, const Context& context) {
+std::string changes_text(const Problem& problem, const PlanChanges& changes,
+                         const Context& context) {
   std::string text = "\nagainst the old plan\n";
   const auto list = [&](const char* name, const std::vector<ConnectionIndex>& connections) {
     if (connections.empty()) return;

@@ -43,7 +43,8 @@ std::optional<Yardstick> yardstick(const Problem& problem, const TransitionSyste
   return Yardstick{followed.reward, solve(problem, "auto", {}, make_budget(limits))};
 }
 
-nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample, const RewardFigures& figures,
+nlohmann::ordered_json as_json(const Problem& problem, const Sample& sample,
+                               const RewardFigures& figures,
                                const std::optional<Yardstick>& yardstick,
                                const SampleOptions& options) {
   const auto number = [&](double value) {

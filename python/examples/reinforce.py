@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Learns the order of a product by REINFORCE (Williams 1992, Machine Learning 8, 229-256), with NumPy alone.
 
-    PYTHONPATH=build/release/python python3 python/examples/reinforce.py [PROBLEM [ROUNDS]]
+    ./run python python/examples/reinforce.py [PROBLEM [ROUNDS]]
 
 A network with one hidden layer says how likely each legal action is. In each round some hundred episodes are
 played by it, and its weights are moved so that actions after which more was earned than usual become

@@ -52,8 +52,8 @@ template <class T>
 [[nodiscard]] pybind11::array array_of(std::vector<T> numbers) {
   auto held = std::make_unique<std::vector<T>>(std::move(numbers));
   std::vector<T>* const raw = held.get();
-  const pybind11::capsule owner(
-      raw, [](void* vector) { delete static_cast<std::vector<T>*>(vector); });
+  const pybind11::capsule owner(raw,
+                                [](void* vector) { delete static_cast<std::vector<T>*>(vector); });
   static_cast<void>(held.release());
   return pybind11::array_t<T>({static_cast<pybind11::ssize_t>(raw->size())}, raw->data(), owner);
 }

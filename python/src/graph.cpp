@@ -28,8 +28,7 @@ namespace {
 
 /// H with what it refers to.
 struct Graph {
-  explicit Graph(ProblemPointer the_problem)
-      : problem(std::move(the_problem)), system(*problem) {}
+  explicit Graph(ProblemPointer the_problem) : problem(std::move(the_problem)), system(*problem) {}
 
   ProblemPointer problem;
   TransitionSystem system;
@@ -114,8 +113,8 @@ py::array layer_offsets_of(const Graph& graph) {
 py::array values_of(const Graph& graph, bool from_start, Run run) {
   Result result;
   run_watched(run, false, [&](const Budget& budget) {
-    result = from_start ? bellman_ford(graph.h(), {}, budget)
-                        : value_iteration(graph.h(), {}, budget);
+    result =
+        from_start ? bellman_ford(graph.h(), {}, budget) : value_iteration(graph.h(), {}, budget);
   });
   if (result.stop != Stop::None)
     throw InputError(fmt::format("the values are not known: the work was {}",

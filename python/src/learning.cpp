@@ -50,8 +50,9 @@ py::dict record_as_dict(const TrainingRecord& record) {
 }
 
 PolicyFile file_of(const Problem& problem, const TrainedPolicy& trained) {
-  return {
-      .problem_digest = problem_digest(problem), .problem_name = problem.name(), .trained = trained};
+  return {.problem_digest = problem_digest(problem),
+          .problem_name = problem.name(),
+          .trained = trained};
 }
 
 DqnOptions training_options_called(const OptionTexts& given, std::uint64_t seed) {
@@ -149,12 +150,11 @@ void bind_learning(py::module_& module) {
   py::class_<PolicyFile, PolicyPointer>(module, "Policy")
       .def_readonly("problem_digest", &PolicyFile::problem_digest)
       .def_readonly("problem_name", &PolicyFile::problem_name)
-      .def_property_readonly("reward",
-                             [](const PolicyFile& file) { return file.trained.reward; })
+      .def_property_readonly("reward", [](const PolicyFile& file) { return file.trained.reward; })
       .def_property_readonly("scale",
                              [](const PolicyFile& file) { return file.trained.policy.scale; })
-      .def_property_readonly(
-          "adds_reward", [](const PolicyFile& file) { return file.trained.policy.adds_reward; })
+      .def_property_readonly("adds_reward",
+                             [](const PolicyFile& file) { return file.trained.policy.adds_reward; })
       .def_property_readonly("layers", &layers_of)
       .def("bytes", [](const PolicyFile& file) { return py::bytes(policy_bytes(file)); })
       .def("weights",

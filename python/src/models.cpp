@@ -66,8 +66,7 @@ std::shared_ptr<ImportedAssembly> imported(const ModelRequest& request, const Ru
       files.poses = request.poses;
       CadModel model = read_model(files, reading);
       settings.tolerance = model.tolerance;
-      assembly =
-          std::make_shared<ImportedAssembly>(assembly_from_cad(std::move(model), settings));
+      assembly = std::make_shared<ImportedAssembly>(assembly_from_cad(std::move(model), settings));
     } catch (const Interrupted&) {
       interrupted = true;
     }

@@ -1,5 +1,4 @@
 #include "bindings.h"
-
 #include "orasp/geometry/cad_reader.h"
 #include "orasp/model/error.h"
 

@@ -32,7 +32,6 @@ std::vector<ConnectionIndex> indices_of(const std::vector<std::uint32_t>& number
   return {numbers.begin(), numbers.end()};
 }
 
-
 /// A plan of a report: what to call it, a sentence about where it comes from, its text as a plan
 /// file, and what else is to be said of it.
 struct Shown {

@@ -1,3 +1,5 @@
+#include "orasp/model/problem.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -17,7 +19,6 @@
 #include "orasp/io/problem_source.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/method_options.h"
-#include "orasp/model/problem.h"
 
 namespace py = pybind11;
 
@@ -88,17 +89,16 @@ void bind_problem(py::module_& module) {
                              })
       .def_property_readonly("of_fleet",
                              [](const Problem& problem) { return problem.objective().of_fleet(); })
-      .def_property_readonly(
-          "robots",
-          [](const Problem& problem) {
-            return problem.spec().fleet ? problem.spec().fleet->robots : std::size_t{0};
-          })
-      .def_property_readonly(
-          "geometry",
-          [](const Problem& problem) -> std::optional<std::string> {
-            if (!problem.spec().geometry) return std::nullopt;
-            return problem.spec().geometry->file;
-          })
+      .def_property_readonly("robots",
+                             [](const Problem& problem) {
+                               return problem.spec().fleet ? problem.spec().fleet->robots
+                                                           : std::size_t{0};
+                             })
+      .def_property_readonly("geometry",
+                             [](const Problem& problem) -> std::optional<std::string> {
+                               if (!problem.spec().geometry) return std::nullopt;
+                               return problem.spec().geometry->file;
+                             })
       .def_property_readonly("uncertain", &Problem::uncertain)
       .def_property_readonly("warnings", &Problem::warnings)
       .def("text", &problem_text, py::call_guard<gil_scoped_release>())
@@ -154,14 +154,13 @@ void bind_problem(py::module_& module) {
   });
 
   // Numbers as the command line reads and writes them, so that sentences and texts are the same.
-  module.def("number", [](const std::string& label, const std::string& text,
-                          const std::string& sign) {
-    return number(label, text, sign_called(sign));
-  });
-  module.def("whole_number", [](const std::string& label, const std::string& text,
-                                std::uint64_t least, std::uint64_t greatest) {
-    return whole_number(label, text, least, greatest);
-  });
+  module.def("number",
+             [](const std::string& label, const std::string& text, const std::string& sign) {
+               return number(label, text, sign_called(sign));
+             });
+  module.def("whole_number",
+             [](const std::string& label, const std::string& text, std::uint64_t least,
+                std::uint64_t greatest) { return whole_number(label, text, least, greatest); });
   module.def("number_text", [](double value) { return fmt::to_string(value); });
 }
 

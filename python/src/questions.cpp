@@ -130,8 +130,7 @@ py::tuple explain(const ProblemPointer& problem, Run run) {
   require_one_robot(*problem, "explain");
   ProblemExplanation found;
   run.calls_back = calls_python(*problem);
-  run_watched(run, true,
-              [&](const Budget& budget) { found = explain_problem(*problem, budget); });
+  run_watched(run, true, [&](const Budget& budget) { found = explain_problem(*problem, budget); });
   std::optional<std::string_view> stopped;
   if (found.stop != Stop::None) stopped = stop_name(found.stop);
   return py::make_tuple(status_name(found.status), items_as_tuples(found.conflict), found.minimal,

@@ -128,16 +128,15 @@ py::tuple as_tuple(Replanned found) {
 }
 
 py::tuple replan(const ProblemPointer& problem, const std::optional<std::string>& plan,
-                 std::size_t done, const Ids& removed, const Ids& inaccessible,
-                 const Ids& not_next, const Ids& lost_parts, const Ids& late_parts, Run run) {
+                 std::size_t done, const Ids& removed, const Ids& inaccessible, const Ids& not_next,
+                 const Ids& lost_parts, const Ids& late_parts, Run run) {
   require_one_robot(*problem, "replan");
   std::vector<PlanStep> old;
   if (plan) old = old_steps(*problem, *plan);
   if (done > old.size()) {
-    throw InputError(
-        plan ? fmt::format("done: the plan has only {} step{}, so {} cannot be done", old.size(),
-                           old.size() == 1 ? "" : "s", done)
-             : std::string("done counts the steps of an old plan; give it with plan"));
+    throw InputError(plan ? fmt::format("done: the plan has only {} step{}, so {} cannot be done",
+                                        old.size(), old.size() == 1 ? "" : "s", done)
+                          : std::string("done counts the steps of an old plan; give it with plan"));
   }
   Replanned found;
   run.calls_back = calls_python(*problem);
@@ -208,8 +207,7 @@ class HeldReplanner {
     if (mass) limits.max_moved_mass = mass;
     auto changed = std::make_shared<Problem>(problem_->with_limits(limits));
     run.calls_back = calls_python(*problem_);
-    run_watched(run, false,
-                [&](const Budget& budget) { replanner_->set_limits(limits, budget); });
+    run_watched(run, false, [&](const Budget& budget) { replanner_->set_limits(limits, budget); });
     problem_ = std::move(changed);
   }
   bool reweigh(const ProblemPointer& problem, Run run) {
@@ -221,8 +219,8 @@ class HeldReplanner {
     return replaced;
   }
   std::unique_ptr<Outcome> plan(Run run) {
-    auto outcome = std::make_unique<Outcome>(
-        Outcome{problem_, replanner_->situation(), {}, {}, {}});
+    auto outcome =
+        std::make_unique<Outcome>(Outcome{problem_, replanner_->situation(), {}, {}, {}});
     run.calls_back = calls_python(*problem_);
     run_watched(run, true,
                 [&](const Budget& budget) { outcome->result = replanner_->plan(budget); });

@@ -102,9 +102,9 @@ double reward_of(const py::object& answer) {
   if (reward == -1 && PyErr_Occurred() != nullptr) {
     if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
     PyErr_Clear();
-    throw py::type_error(fmt::format("the reward of a step must be a number, not {}",
-                                     py::str(py::type::of(answer).attr("__name__"))
-                                         .cast<std::string>()));
+    throw py::type_error(
+        fmt::format("the reward of a step must be a number, not {}",
+                    py::str(py::type::of(answer).attr("__name__")).cast<std::string>()));
   }
   return reward;
 }
@@ -183,18 +183,18 @@ void bind_rewards(py::module_& module) {
           "a", [](const SeenByUser& seen) { return Names::some(seen.names->parts, seen.step.a); })
       .def_property_readonly(
           "b", [](const SeenByUser& seen) { return Names::some(seen.names->parts, seen.step.b); })
-      .def_property_readonly("moved",
-                             [](const SeenByUser& seen) {
-                               return Names::some(seen.names->parts, seen.step.moves()
-                                                                         ? seen.step.moved()
-                                                                         : std::vector<PartIndex>());
-                             })
-      .def_property_readonly("kept",
-                             [](const SeenByUser& seen) {
-                               return Names::some(seen.names->parts, seen.step.separates
-                                                                         ? seen.step.kept()
-                                                                         : std::vector<PartIndex>());
-                             })
+      .def_property_readonly(
+          "moved",
+          [](const SeenByUser& seen) {
+            return Names::some(seen.names->parts,
+                               seen.step.moves() ? seen.step.moved() : std::vector<PartIndex>());
+          })
+      .def_property_readonly(
+          "kept",
+          [](const SeenByUser& seen) {
+            return Names::some(seen.names->parts,
+                               seen.step.separates ? seen.step.kept() : std::vector<PartIndex>());
+          })
       .def_property_readonly("moved_mass", of_step(&Step::moved_mass))
       .def_property_readonly("kept_mass", of_step(&Step::kept_mass))
       .def_property_readonly("subassemblies", of_step(&Step::subassemblies));

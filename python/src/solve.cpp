@@ -113,9 +113,9 @@ std::unique_ptr<Outcome> solve_problem(const ProblemPointer& problem, const std:
     if (const Stop stop = outcome->alternatives.stop; stop != Stop::None) {
       outcome->result.notes.push_back(fmt::format(
           "{} was {}",
-          outcome->alternatives.plans ? "the list of the best plans"
-                                      : "building H for other plans",
-          stop == Stop::Cancelled ? "interrupted" : fmt::format("stopped by the {}", stop_name(stop))));
+          outcome->alternatives.plans ? "the list of the best plans" : "building H for other plans",
+          stop == Stop::Cancelled ? "interrupted"
+                                  : fmt::format("stopped by the {}", stop_name(stop))));
     }
   });
   return outcome;
@@ -216,9 +216,8 @@ void bind_solve(py::module_& module) {
       .def_property_readonly("statistics",
                              [](const Outcome& o) { return statistics_of(o.result.statistics); })
       .def_property_readonly("expectation", &expectation_of)
-      .def_property_readonly(
-          "optimal_sequences",
-          [](const Outcome& o) { return o.alternatives.optimal_sequences; })
+      .def_property_readonly("optimal_sequences",
+                             [](const Outcome& o) { return o.alternatives.optimal_sequences; })
       .def_property_readonly("values",
                              [](const py::object& self) -> py::object {
                                const auto& values = self.cast<const Outcome&>().result.values;

@@ -13,9 +13,8 @@
 #include <thread>
 #include <utility>
 
-#include <signal.h>
-
 #include <pybind11/stl.h>
+#include <signal.h>
 
 #include "bindings.h"
 #include "orasp/task/memory_limit.h"

@@ -50,8 +50,8 @@ void split_common(std::span<const ConnectionIndex> sequence, std::span<const std
 
 }  // namespace
 
-PlanChanges changes_between(const Problem& problem, const Situation& now, std::span<const PlanStep> old,
-                        const Result& result) {
+PlanChanges changes_between(const Problem& problem, const Situation& now,
+                            std::span<const PlanStep> old, const Result& result) {
   PlanChanges changes;
   std::vector<PlanStep> left_steps;
   for (const PlanStep& step : old) {

@@ -109,14 +109,14 @@ class StateGraph {
     return wide_connections_.empty() ? narrow_connections_[action] : wide_connections_[action];
   }
   [[nodiscard]] double reward(ActionId action) const { return rewards_[action]; }
-  // The arrays themselves, for who goes through all of H; valid as long as the graph, wherever it is
-  // moved.
+  // The arrays themselves, for who goes through all of H; valid as long as the graph, wherever it
+  // is moved.
 
   /// Where the actions of each state begin, and after the last state where they end.
   [[nodiscard]] std::span<const std::uint64_t> row_offsets() const { return row_begin_.span(); }
   /// By action.
   [[nodiscard]] std::span<const StateId> successors() const { return successors_.span(); }
-  /// By action: in the first array where a problem has at most 256 connections, else in the second.
+  /// By action, in the first array where a problem has at most 256 connections, else in the second;
   /// The other one is empty.
   [[nodiscard]] std::span<const std::uint8_t> narrow_connections() const {
     return narrow_connections_.span();

@@ -11,8 +11,8 @@ FormulaVariables variables_of(const StepFacts& facts, const Movement& movement,
   variables.after = static_cast<double>(facts.after);
   variables.separates = facts.separates ? 1 : 0;
   variables.completes = facts.completes ? 1 : 0;
-  variables.subassemblies = static_cast<double>(
-      pieces.totals.assembly ? facts.subassemblies_joined : facts.subassemblies_apart);
+  variables.subassemblies = static_cast<double>(pieces.totals.assembly ? facts.subassemblies_joined
+                                                                       : facts.subassemblies_apart);
   variables.duration = pieces.duration(facts);
   variables.index = facts.connection;
   variables.elapsed = facts.elapsed;

@@ -29,9 +29,9 @@ struct Callable {
   std::string name = "callable";
   std::function<double(const Step&)> reward{};
   /// Instead of `reward`: a function of many steps at once, for who pays for each call; what step i
-  /// earns goes to rewards[i], and it must not depend on which steps it comes with. While H is built
-  /// it gets the steps of thousands of states, from searches those of one state. One by one it is
-  /// asked in a plan's check, in a `sum`, and where there is more to steps
+  /// earns goes to rewards[i], and it must not depend on which steps it comes with. While H is
+  /// built it gets the steps of thousands of states, from searches those of one state. One by one
+  /// it is asked in a plan's check, in a `sum`, and where there is more to steps
   /// (TransitionSystem::wide).
   std::function<void(const StepTable& steps, std::span<double> rewards)> rewards{};
   /// m; where the column `distance` is measured from.
