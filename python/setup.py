@@ -1,6 +1,7 @@
 """Builds the package with CMake, for `pip install --no-build-isolation ./python` (docs/python.md).
 
-Everything that it needs is in Debian: no network. The library is built in a folder beside the checkout's other builds.
+Everything that it needs is in Debian: no network. The library is built in build/wheel, or in the folder that the environment
+variable ORASP_BUILD names, as it is configured there.
 """
 import os
 import re
@@ -22,15 +23,20 @@ class BuildWithCMake(build_ext):
     def build_extension(self, extension):
         target = Path(self.get_ext_fullpath(extension.name)).resolve()
         build = Path(os.environ.get("ORASP_BUILD", ROOT / "build" / "wheel"))
-        subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-D", "CMAKE_BUILD_TYPE=Release", "-D", "ORASP_UNITY=ON",
-                        "-D", "ORASP_BUILD_TESTS=OFF", "-D", "ORASP_WITH_PYTHON=ON", "-D", f"Python_EXECUTABLE={sys.executable}"],
-                       check=True)
+        if not (build / "CMakeCache.txt").exists():
+            self.configure(build)
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
         subprocess.run(["cmake", "--build", build, "--target", "python_package", "-j", jobs], check=True)
         target.parent.mkdir(parents=True, exist_ok=True)
         for file in (build / "python" / "orasp").glob("*.so"):
             if file.exists():
                 (target.parent / file.name).write_bytes(file.read_bytes())
+
+    @staticmethod
+    def configure(build):
+        subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-D", "CMAKE_BUILD_TYPE=Release", "-D", "ORASP_UNITY=ON",
+                        "-D", "ORASP_BUILD_TESTS=OFF", "-D", "ORASP_WITH_PYTHON=ON", "-D", f"Python_EXECUTABLE={sys.executable}"],
+                       check=True)
 
 
 setup(

@@ -130,8 +130,8 @@ std::unique_ptr<Outcome> follow(const ProblemPointer& problem, const PolicyFile&
   return outcome;
 }
 
-/// (weights, bias) of each layer as arrays of float32, shapes [inputs, outputs] and [outputs], which
-/// copy nothing.
+/// (weights, bias) of each layer as arrays of float32, shapes [inputs, outputs] and [outputs],
+/// which copy nothing.
 py::list layers_of(const py::object& self) {
   py::list layers;
   for (const DenseLayer& layer : self.cast<const PolicyFile&>().trained.policy.layers) {

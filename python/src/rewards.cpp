@@ -13,6 +13,7 @@
 #include "bindings.h"
 #include "orasp/model/objective.h"
 #include "orasp/model/transition_system.h"
+#include "watch.h"
 
 namespace py = pybind11;
 
@@ -136,6 +137,7 @@ Objective objective_of(const Problem& problem, py::object function, const std::s
   callable.depot = depot;
   if (vectorized) {
     callable.rewards = [held](const StepTable& table, std::span<double> rewards) {
+      end_if_overdue();
       const py::gil_scoped_acquire acquired;
       const py::object steps = py::cast(Steps{&table});
       // Whoever keeps the steps finds them gone afterwards.
@@ -148,6 +150,7 @@ Objective objective_of(const Problem& problem, py::object function, const std::s
   } else {
     const auto names = std::make_shared<const Names>(problem);
     callable.reward = [held, names](const Step& step) {
+      end_if_overdue();
       const py::gil_scoped_acquire acquired;
       return reward_of(held->object(SeenByUser{step, names}));
     };

@@ -17,6 +17,7 @@
 #include <signal.h>
 
 #include "bindings.h"
+#include "orasp/model/error.h"
 #include "orasp/task/memory_limit.h"
 
 namespace py = pybind11;
@@ -25,6 +26,16 @@ namespace orasp::python {
 namespace {
 
 constexpr std::chrono::milliseconds kLookEvery{20};
+constexpr std::chrono::milliseconds kPatience{150};
+
+using Clock = std::chrono::steady_clock;
+
+/// Thrown out of work that does not see in time that it is to stop.
+struct Overdue {};
+
+/// When the work of this thread was asked to stop, as time since the clock's epoch; 0: it was not.
+using AskedAt = std::atomic<Clock::rep>;
+thread_local const AskedAt* asked_at_of_this_thread = nullptr;
 
 /// Counts the SIGINTs that come while somebody works, beside what is done about them anyway.
 class Interrupts {
@@ -138,9 +149,15 @@ void run_watched(const Run& run, bool keeps_partial,
   std::mutex mutex;
   std::condition_variable ended;
   bool has_ended = false;
+  bool overdue = false;
   std::exception_ptr failure;  // of the work
   std::exception_ptr raised;   // by a callback, or by a handler of signals
   int interrupts = 0;
+  AskedAt asked_at = 0;
+  const auto ask_to_stop = [&] {
+    if (!source.request_stop()) return;
+    asked_at = Clock::now().time_since_epoch().count();
+  };
   const bool in_main_thread = is_main_thread();
   int counted = Interrupts::counted();
 
@@ -152,14 +169,14 @@ void run_watched(const Run& run, bool keeps_partial,
         counted = Interrupts::counted();
         if (interrupts_raise()) {
           ++interrupts;
-          source.request_stop();
+          ask_to_stop();
         }
       }
       if (raised || interrupts > 0) return;
       if (!run.progress.is_none()) told.pass_on(run.progress);
-      if (!run.stop.is_none() && run.stop.attr("is_set")().cast<bool>()) source.request_stop();
+      if (!run.stop.is_none() && run.stop.attr("is_set")().cast<bool>()) ask_to_stop();
     } catch (py::error_already_set& error) {
-      source.request_stop();
+      ask_to_stop();
       if (error.matches(PyExc_KeyboardInterrupt)) {
         ++interrupts;
       } else if (!raised) {
@@ -180,7 +197,10 @@ void run_watched(const Run& run, bool keeps_partial,
           known.emplace();
           let_go.emplace();
         }
+        asked_at_of_this_thread = &asked_at;
         work(budget);
+      } catch (const Overdue&) {
+        overdue = true;
       } catch (...) {
         failure = std::current_exception();
       }
@@ -204,10 +224,18 @@ void run_watched(const Run& run, bool keeps_partial,
   if (!raised && interrupts == 0) look();
   if (raised) std::rethrow_exception(raised);
   if (failure) std::rethrow_exception(failure);
-  if (interrupts > 1 || (interrupts == 1 && !keeps_partial)) {
+  if (interrupts > 1 || (interrupts == 1 && (overdue || !keeps_partial))) {
     PyErr_SetNone(PyExc_KeyboardInterrupt);
     throw py::error_already_set();
   }
+  if (overdue) throw InputError("the work was stopped before there was an answer");
+}
+
+void end_if_overdue() {
+  if (asked_at_of_this_thread == nullptr) return;
+  const Clock::rep asked_at = *asked_at_of_this_thread;
+  if (asked_at == 0) return;
+  if (Clock::now().time_since_epoch() - Clock::duration(asked_at) > kPatience) throw Overdue();
 }
 
 void bind_run(py::module_& module) {

@@ -30,16 +30,21 @@ struct Run {
 ///
 /// Idea.       A planner looks at its stop token every few thousand units of work, and knows no
 ///             Python. So the thread that asked waits, and every 20 ms takes the lock, lets Python
-///             see its signals, and calls what `run` names. Whatever is raised there requests the stop, and
-///             is raised once the work has ended.
+///             see its signals, and calls what `run` names. Whatever is raised there requests the
+///             stop, and is raised once the work has ended.
 /// Ctrl-C.     Is a request to stop, not an error: where `work` then ends, what it has so far
 ///             counts, and nothing is raised unless Ctrl-C comes a second time before that, or
 ///             `keeps_partial` is false. In a thread that is not the main one Python delivers no
 ///             signals; there a SIGINT that Python is left to handle in its own way stops the work
 ///             too.
 /// Functions   of the user that `work` calls may take the lock in its thread; what they raise ends
-///             `work` and is raised here.
+///             `work` and is raised here. They call end_if_overdue() first.
 void run_watched(const Run& run, bool keeps_partial,
                  const std::function<void(const Budget&)>& work);
+
+/// Ends the work that this thread does for run_watched() where it was asked to stop 0.15 s ago and
+/// has not: a planner counts work, and with a function of Python each unit may take long. Then
+/// there is no answer, and KeyboardInterrupt is raised, or InputError where Run::stop asked.
+void end_if_overdue();
 
 }  // namespace orasp::python

@@ -47,6 +47,19 @@ class Stopping(unittest.TestCase):
             orasp.graph("hubble-free", objective=orasp.Reward(slow, vectorized=True), time_limit=30)
         timer.join()
 
+    def test_ctrl_c_does_not_wait_for_a_slow_reward(self):
+        """H is built thousands of states at a time, which a function of one step makes a matter of seconds."""
+        def dawdle(step):
+            time.sleep(0.0002)
+            return -1.0
+
+        timer = interrupt_after(0.3)
+        began = time.perf_counter()
+        with self.assertRaises(KeyboardInterrupt):
+            orasp.graph("hubble-free", objective=dawdle, time_limit=30)
+        self.assertLess(time.perf_counter() - began - 0.3, 0.5)
+        timer.join()
+
     def test_ctrl_c_stops_work_in_another_thread(self):
         """As a program would see it: the main thread gets KeyboardInterrupt, and the work in the other thread ends."""
         program = """
