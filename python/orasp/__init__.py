@@ -15,13 +15,13 @@ The parts of the package:
 * H as arrays: :func:`graph`, :class:`Graph`, :func:`estimate_graph`
 * rewards of your own: :class:`Reward`
 * learning: :func:`train`, :class:`Policy`, :class:`Environment`, :class:`VectorEnvironment`
-* pages and pictures: :func:`report`, ``.svg()`` of problems, plans and graphs
+* pages and pictures: :func:`report`, :func:`figures`, ``.svg()`` of problems, plans and graphs
 
 What is wrong with an input is an :class:`InputError`, a ValueError with one sentence.
 """
 
 from orasp._graph import Graph, GraphEstimate, GraphSize, estimate_graph, graph
-from orasp._learning import Policy, Training, learning_available, train
+from orasp._learning import Policy, Training, learning_available, train, training_options
 from orasp._models import ImportedModel, import_model
 from orasp._orasp import InputError
 from orasp._problem import OraspWarning, Problem, ProblemLike, Scenario, load, scenarios
@@ -43,13 +43,14 @@ from orasp._questions import (
     simulate,
 )
 from orasp._replan import Changes, Replanned, Replanner, replan
-from orasp._report import Report, distribution_svg, report, tree_svg
+from orasp._report import Report, distribution_svg, figures, report, tree_svg
 from orasp._reward import ObjectiveLike, Reward, Step, Steps
 from orasp._solve import (
     Alternative,
     Expectation,
     FleetStep,
     Method,
+    ModelSize,
     Move,
     Operation,
     Option,
@@ -60,6 +61,7 @@ from orasp._solve import (
     methods,
     obstacle,
     solve,
+    write_model,
 )
 from orasp.environment import Environment, VectorEnvironment
 
@@ -80,6 +82,7 @@ __all__ = [
     "ImportedModel",
     "InputError",
     "Method",
+    "ModelSize",
     "Move",
     "ObjectiveLike",
     "Operation",
@@ -111,6 +114,7 @@ __all__ = [
     "evaluate",
     "explain",
     "explain_connection",
+    "figures",
     "graph",
     "import_model",
     "learning_available",
@@ -124,5 +128,7 @@ __all__ = [
     "simulate",
     "solve",
     "train",
+    "training_options",
     "tree_svg",
+    "write_model",
 ]

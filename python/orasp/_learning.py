@@ -14,7 +14,7 @@ import numpy.typing as npt
 from orasp import _orasp
 from orasp._content import OptionValue, option_texts, real, whole
 from orasp._problem import ProblemLike, load, warn
-from orasp._solve import ProgressCallback, Result, run_of
+from orasp._solve import Option, ProgressCallback, Result, options_of, run_of
 
 
 class Policy:
@@ -113,6 +113,16 @@ LogCallback = Callable[[dict[str, Any]], object]
 def learning_available() -> bool:
     """Whether policies can be trained here: that needs libtorch. To plan with one does not."""
     return _orasp.learning_obstacle() is None
+
+
+def training_options() -> list[Option]:
+    """The options of :func:`train`.
+
+    >>> import orasp
+    >>> orasp.training_options()[0].name
+    'episodes'
+    """
+    return list(options_of(_orasp.training_options()))
 
 
 def train(

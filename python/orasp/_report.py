@@ -13,7 +13,7 @@ from orasp import _orasp
 from orasp._content import whole
 from orasp._problem import Problem, ProblemLike, load, warn
 from orasp._questions import Sample, explain, sample
-from orasp._solve import PlanLike, ProgressCallback, Result, plan_text, solve
+from orasp._solve import PlanLike, ProgressCallback, Result, plan_text, run_of, solve
 
 
 class Report:
@@ -141,6 +141,32 @@ def distribution_svg(rewards: npt.ArrayLike, **marks: float) -> str:
     if not numbers:
         raise _orasp.InputError("there are no rewards to draw")
     return _orasp.distribution_svg(numbers, [(name, float(value)) for name, value in marks.items()])
+
+
+def figures(
+    problem: ProblemLike,
+    folder: Union[str, os.PathLike[str]],
+    *,
+    plan: Optional[Result] = None,
+    sample: Optional[Sample] = None,
+    time_limit: Optional[float] = None,
+    memory_limit: Optional[int] = None,
+) -> list[tuple[str, str]]:
+    """Figures fit for a paper, as SVG files in a folder: structure.svg; of a plan steps.svg and growth.svg;
+    where they are small enough state-graph.svg and tree.svg; of a sample distribution.svg. Returns the name
+    and a caption of each. Raises InputError where Graphviz or gnuplot is missing, and where steps take several
+    connections."""
+    given = load(problem)
+    if given._engine().of_fleet or given.action == "part":
+        raise _orasp.InputError("figures are drawn of one robot and of steps that take one connection each")
+    return _orasp.write_figures(
+        given._engine(),
+        [] if plan is None else plan.sequence.tolist(),
+        [] if sample is None else sample.rewards.tolist(),
+        [] if plan is None else [(plan.method, plan.reward)],
+        os.fspath(folder),
+        run_of(time_limit, memory_limit, None, None, None),
+    )
 
 
 def tree_svg(problem: ProblemLike, plan: Optional[Result] = None) -> str:

@@ -600,6 +600,32 @@ def obstacle(problem: ProblemLike, method: str) -> Optional[str]:
     return _orasp.obstacle(load(problem)._engine(), method)
 
 
+class ModelSize(NamedTuple):
+    """The size of an integer program; ``whole_columns`` are those that must be whole, ``terms`` the
+    coefficients of its rows."""
+
+    columns: int
+    whole_columns: int
+    rows: int
+    terms: int
+
+
+def write_model(
+    problem: ProblemLike, file: Union[str, os.PathLike[str]], *, steps: Optional[int] = None, **changes: Any
+) -> ModelSize:
+    """Writes the integer program of the method mip to a file that ends in .lp or .mps, for another solver,
+    and solves nothing. ``steps`` is the horizon for several robots, needed for the least travel.
+
+    >>> import orasp, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     orasp.write_model("3piece", f"{folder}/3piece.lp").rows > 0
+    True
+    """
+    given = load(problem).edited(**changes)
+    horizon = None if steps is None else whole("steps", steps, 1, 1_000_000)
+    return ModelSize(*_orasp.write_model(given._engine(), os.fspath(file), horizon))
+
+
 #: What a function takes as a plan: a Result, a plan file, what it says, or connection ids in order.
 PlanLike = Union[Result, str, os.PathLike[str], Mapping[str, Any], Sequence[str], Sequence[Sequence[str]]]
 

@@ -164,6 +164,25 @@ void bind_pictures(py::module_& module) {
         return distribution_svg({rewards, all});
       },
       Release());
+  module.def("write_figures",
+             [](const ProblemPointer& problem, const std::vector<std::uint32_t>& plan,
+                const std::vector<double>& sample,
+                const std::vector<std::tuple<std::string, double>>& marks,
+                const std::string& folder, Run run) {
+               const std::vector<ConnectionIndex> sequence = indices_of(plan);
+               FigureRequest request{.plan = sequence, .sample = sample, .marks = {}};
+               for (const auto& [name, reward] : marks)
+                 request.marks.push_back({name, reward, Mark::Kind::Plan});
+               std::vector<FigureFile> written;
+               run.calls_back = calls_python(*problem);
+               run_watched(run, false, [&](const Budget& budget) {
+                 written = write_figures(*problem, request, folder, budget);
+               });
+               py::list names;
+               for (const FigureFile& figure : written)
+                 names.append(py::make_tuple(figure.name, figure.caption));
+               return names;
+             });
   module.def("report_page", &report_page, py::arg("best"), py::arg("plans"), py::arg("title"),
              py::arg("effort"), py::arg("conflict"), py::arg("sample_origin"), py::arg("sample"),
              py::arg("shapes"), py::arg("shapes_fault"));

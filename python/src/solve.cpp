@@ -14,10 +14,13 @@
 #include "bindings.h"
 #include "orasp/catalogue.h"
 #include "orasp/explain/alternatives.h"
+#include "orasp/fleet/fleet_mip.h"
 #include "orasp/graph/graph_estimate.h"
+#include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/method_options.h"
+#include "orasp/mip/mip.h"
 #include "outcome.h"
 #include "watch.h"
 
@@ -119,6 +122,29 @@ std::unique_ptr<Outcome> solve_problem(const ProblemPointer& problem, const std:
     }
   });
   return outcome;
+}
+
+/// The integer program of the method mip, for another solver.
+py::tuple write_program(const ProblemPointer& problem, const std::string& file,
+                        std::optional<std::size_t> steps) {
+  require_model_file(file);
+  std::optional<MipModel> model;
+  Run run;
+  run.calls_back = calls_python(*problem);
+  run_watched(run, false, [&](const Budget&) {
+    if (!problem->objective().of_fleet()) {
+      model.emplace(mip_model(TransitionSystem(*problem)));
+    } else {
+      const FleetProblem fleet(*problem);
+      if (fleet.objective() == FleetObjective::Travel && !steps) {
+        throw InputError("the integer program of the least travel needs steps=N, the most steps");
+      }
+      model.emplace(fleet_mip_model(fleet, steps.value_or(fleet_mip_horizon(fleet))));
+    }
+    write_model(*model, file);
+  });
+  return py::make_tuple(model->num_columns(), model->num_integers(), model->num_rows(),
+                        model->num_terms());
 }
 
 const char* kind_of(const OptionSpec& option) {
@@ -240,6 +266,7 @@ void bind_solve(py::module_& module) {
   module.def("solve", &solve_problem, py::arg("problem"), py::arg("method"), py::arg("options"),
              py::arg("policy"), py::arg("seed"), py::arg("steps"), py::arg("count"),
              py::arg("alternatives"), py::arg("run"));
+  module.def("write_model", &write_program);
   module.def("settings_of", &settings_of);
   module.def("methods", &methods);
   module.def("training_options", [] { return options_as_tuples(training_options()); });

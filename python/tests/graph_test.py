@@ -4,11 +4,19 @@ import json
 import time
 import unittest
 
-import networkx
 import numpy as np
 import orasp
-import scipy.sparse.csgraph
 from program import random_problem, run
+
+
+try:
+    import networkx
+except ImportError:
+    networkx = None
+try:
+    import scipy.sparse.csgraph as csgraph
+except ImportError:
+    csgraph = None
 
 
 def value_iteration(h):
@@ -99,12 +107,14 @@ class OwnAlgorithms(unittest.TestCase):
                 plan = [h.problem.connection_ids[c] for c in h.best_sequence(values)]
                 self.assertAlmostEqual(orasp.evaluate(random_problem(seed), plan).reward, result.reward, places=9)
 
+    @unittest.skipIf(networkx is None, "NetworkX is not there")
     def test_networkx(self):
         h = orasp.graph("hubble")
         length = networkx.bellman_ford_path_length(h.to_networkx(), 0, h.goal, weight="cost")
         self.assertAlmostEqual(-length, orasp.solve("hubble").reward, places=9)
         np.testing.assert_allclose(h.values(from_start=True)[h.goal], -length)
 
+    @unittest.skipIf(csgraph is None, "SciPy is not there")
     def test_scipy(self):
         h = orasp.graph("2x3")
         matrix = h.to_scipy()
@@ -113,10 +123,11 @@ class OwnAlgorithms(unittest.TestCase):
         self.assertTrue(np.shares_memory(matrix.data, h.rewards))
         costs = matrix.copy()
         costs.data = 10 - costs.data  # every path has as many steps
-        found = scipy.sparse.csgraph.dijkstra(costs, indices=0)[h.goal]
+        found = csgraph.dijkstra(costs, indices=0)[h.goal]
         steps = h.problem.num_connections
         self.assertAlmostEqual(10 * steps - found, orasp.solve("2x3").reward, places=9)
 
+    @unittest.skipIf(csgraph is None, "SciPy is not there")
     def test_one_action_between_two_states(self):
         """Costs between steps: a move may leave along several directions to the same state."""
         problem = orasp.load("lattice").copy()

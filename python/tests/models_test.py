@@ -1,5 +1,6 @@
 """Problems from CAD models, pictures and pages."""
 import base64
+import json
 import shutil
 import tempfile
 import unittest
@@ -71,6 +72,23 @@ class Pages(unittest.TestCase):
         for drawing in drawings:
             self.assertIn("<svg", drawing)
         self.assertIsNone(orasp.solve("fleet-lattice")._repr_svg_())
+        with tempfile.TemporaryDirectory() as folder:
+            names = [name for name, _ in orasp.figures("4piece", folder, plan=orasp.solve("4piece"))]
+            self.assertEqual(names, ["structure.svg", "steps.svg", "growth.svg", "state-graph.svg", "tree.svg"])
+            self.assertEqual(sorted(path.name for path in Path(folder).iterdir()), sorted(names))
+
+    def test_integer_programs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, more in (("3piece", {}), ("fleet-lattice", {"steps": 4})):
+                here, there = Path(folder) / "here.lp", Path(folder) / "there.lp"
+                size = orasp.write_model(name, here, **more)
+                options = [word for key, value in more.items() for word in (f"--{key}", str(value))]
+                code, out, _ = run("solve", name, "--method", "mip", *options, "--write-model", str(there), "--json")
+                self.assertEqual(code, 0)
+                self.assertEqual(here.read_text(), there.read_text())
+                self.assertEqual(size._asdict().items() - json.loads(out).items(), set())
+            with self.assertRaises(orasp.InputError):
+                orasp.write_model("3piece", Path(folder) / "model.txt")
 
 
 if __name__ == "__main__":

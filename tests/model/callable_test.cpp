@@ -88,8 +88,9 @@ TEST(Callable, OfManyStepsEarnsInHWhatOneOfOneStepEarns) {
     for (std::size_t i = 0; i < found.size(); ++i) {
       EXPECT_EQ(found[i].connection, expected[i].connection);
       EXPECT_DOUBLE_EQ(found[i].reward, expected[i].reward);
-      if (!one_system.wide())
+      if (!one_system.wide()) {
         EXPECT_DOUBLE_EQ(many_expander.step(start, found[i].connection).reward, found[i].reward);
+      }
     }
   }
 }
@@ -100,7 +101,9 @@ TEST(Callable, OfManyStepsServesEveryMethodForOneRobot) {
   for (const char* method : {"dijkstra", "bellman-ford", "auto"})
     EXPECT_DOUBLE_EQ(solve(problem, method).reward, best) << method;
   for (const char* method : {"greedy", "random", "beam"}) {
-    if (!obstacle(problem, method)) EXPECT_LE(solve(problem, method).reward, best + 1e-9) << method;
+    if (!obstacle(problem, method)) {
+      EXPECT_LE(solve(problem, method).reward, best + 1e-9) << method;
+    }
   }
 }
 
