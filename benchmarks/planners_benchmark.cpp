@@ -42,6 +42,51 @@ BENCHMARK_CAPTURE(ask_policy, hubble, "hubble-upc");
 BENCHMARK_CAPTURE(ask_policy, iss, "iss-upc");
 BENCHMARK_CAPTURE(ask_policy, jwst, "jwst-upc");
 
+/// Random episodes side by side, with masks and observations. The actions were drawn in a first
+/// round, so that what is measured finds its states remembered, as far as memory allows.
+void step_episodes(benchmark::State& state, const std::string& name, std::size_t rounds) {
+  const orasp::Problem problem = orasp::load_scenario(name);
+  const orasp::TransitionSystem system(problem);
+  const auto episodes = static_cast<std::size_t>(state.range(0));
+  orasp::VectorEnvironment world(system, episodes);
+  std::vector<float> observations(episodes * world.observation_size());
+  std::vector<std::uint8_t> masks(episodes * world.num_actions());
+  std::vector<double> rewards(episodes);
+  std::vector<std::uint8_t> terminated(episodes);
+  std::vector<std::uint8_t> truncated(episodes);
+  orasp::EpisodeBuffers buffers;
+  buffers.observations = observations;
+  buffers.masks = masks;
+  buffers.rewards = rewards;
+  buffers.terminated = terminated;
+  buffers.truncated = truncated;
+  world.reset(buffers);
+  std::vector<std::int64_t> actions(rounds * episodes);
+  for (std::size_t r = 0; r < rounds; ++r) {
+    const auto row = std::span(actions).subspan(r * episodes, episodes);
+    world.sample(row);
+    world.step(row, buffers);
+  }
+  const std::uint64_t expanded = world.expanded();
+  for (auto _ : state) {
+    world.reset(buffers);
+    for (std::size_t r = 0; r < rounds; ++r)
+      world.step(std::span(actions).subspan(r * episodes, episodes), buffers);
+  }
+  const auto steps = static_cast<double>(rounds * episodes);
+  state.counters["steps/s"] =
+      benchmark::Counter(steps, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["bytes"] = static_cast<double>(world.bytes());
+  state.counters["expanded"] = static_cast<double>(world.expanded() - expanded);
+}
+BENCHMARK_CAPTURE(step_episodes, hubble, "hubble", 190)
+    ->Arg(1)
+    ->Arg(1024)
+    ->Unit(benchmark::kMillisecond);
+// The first steps, whose states are all remembered; then to the end, where memory does not suffice.
+BENCHMARK_CAPTURE(step_episodes, jwst_first, "jwst", 64)->Arg(1024)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(step_episodes, jwst, "jwst", 256)->Arg(1024)->Unit(benchmark::kMillisecond);
+
 orasp::Budget budget_with(std::int64_t threads) {
   orasp::Budget budget;
   budget.threads = static_cast<unsigned>(threads);

@@ -166,10 +166,12 @@ ordered_json changes_json(const Problem& problem, const ConnectionExplanation& f
       ordered_json entries = ordered_json::array();
       for (const std::size_t entry : direction.entries)
         entries.push_back(fmt::format("blocking.blocked[{}]", entry));
-      change["directions"].push_back({{"direction", direction.direction},
-                                      {"parts", parts(direction.moved)},
-                                      {"in_the_way", parts(direction.in_the_way)},
-                                      {"entries", std::move(entries)}});
+      ordered_json along = {{"direction", direction.direction},
+                            {"parts", parts(direction.moved)},
+                            {"in_the_way", parts(direction.in_the_way)},
+                            {"entries", std::move(entries)}};
+      if (direction.width) along["width"] = *direction.width;
+      change["directions"].push_back(std::move(along));
     }
     changes.push_back(std::move(change));
   }
@@ -224,8 +226,12 @@ std::string connection_text(const Problem& problem, const ExplainOptions& option
       std::vector<std::string> in_the_way;
       for (const PartIndex part : directions[d].in_the_way)
         in_the_way.push_back(problem.part_id(part));
-      text += fmt::format("    along {}: {}\n", directions[d].direction,
-                          capped_list(in_the_way, context.width() - 16));
+      const std::string width =
+          directions[d].width
+              ? fmt::format(" ({})", width_text(*problem.spec().blocking, *directions[d].width))
+              : std::string();
+      text += fmt::format("    along {}: {}{}\n", directions[d].direction,
+                          capped_list(in_the_way, context.width() - 16 - width.size()), width);
     }
   }
   text += '\n';

@@ -4,6 +4,7 @@
 
 #include "cli/commands/command_compare.h"
 #include "cli/commands/command_completion.h"
+#include "cli/commands/command_convert.h"
 #include "cli/commands/command_evaluate.h"
 #include "cli/commands/command_explain.h"
 #include "cli/commands/command_graph.h"
@@ -20,7 +21,7 @@
 namespace orasp::cli {
 namespace {
 
-constexpr std::array<Command, 14> kCommands = {{
+constexpr std::array<Command, 15> kCommands = {{
     {"solve", "find a plan", solve_command},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
@@ -33,6 +34,7 @@ constexpr std::array<Command, 14> kCommands = {{
     {"report", "one page that shows a problem and its plans", report_command},
     {"paper", "the paper's numbers and figures, computed again", paper_command},
     {"import", "make a problem of a CAD model", import_command},
+    {"convert", "read and write other formats of problems and plans", convert_command},
     {"scenarios", "list the built-in problems, or print one", scenarios_command},
     {"completion", "print the completion script for bash", completion_command},
 }};

@@ -14,7 +14,7 @@ The parts of the package:
   :func:`simulate`, :func:`compare`
 * H as arrays: :func:`graph`, :class:`Graph`, :func:`estimate_graph`
 * rewards of your own: :class:`Reward`
-* learning: :func:`train`, :class:`Policy`
+* learning: :func:`train`, :class:`Policy`, :class:`Environment`, :class:`VectorEnvironment`
 * pages and pictures: :func:`report`, :func:`figures`, ``.svg()`` of problems, plans and graphs
 
 What is wrong with an input is an :class:`InputError`, a ValueError with one sentence.
@@ -64,6 +64,7 @@ from orasp._solve import (
     solve,
     write_model,
 )
+from orasp.environment import Environment, VectorEnvironment
 
 __all__ = [
     "Alternative",
@@ -71,6 +72,7 @@ __all__ = [
     "Comparison",
     "Conflict",
     "ConnectionExplanation",
+    "Environment",
     "Evaluation",
     "Expectation",
     "Explanation",
@@ -106,6 +108,7 @@ __all__ = [
     "Steps",
     "Stopper",
     "Training",
+    "VectorEnvironment",
     "Violation",
     "compare",
     "distribution_svg",

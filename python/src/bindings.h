@@ -24,6 +24,7 @@ void bind_replanning(pybind11::module_& module);
 void bind_rewards(pybind11::module_& module);
 void bind_run(pybind11::module_& module);
 void bind_solve(pybind11::module_& module);
+void bind_environment(pybind11::module_& module);
 
 using ProblemPointer = std::shared_ptr<Problem>;
 

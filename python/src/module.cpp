@@ -21,6 +21,7 @@ PYBIND11_MODULE(_orasp, module) {
   python::bind_questions(module);
   python::bind_replanning(module);
   python::bind_learning(module);
+  python::bind_environment(module);
   python::bind_models(module);
   python::bind_pictures(module);
 }

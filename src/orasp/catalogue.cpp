@@ -7,6 +7,7 @@
 
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/objectives/retried.h"
 #include "orasp/model/plan_check.h"
 #include "orasp/planners/planner_support.h"
 
@@ -66,6 +67,49 @@ std::optional<std::string> wrong_kind(const Planner& planner, const Request& req
   return std::nullopt;
 }
 
+/// Where failures change nothing, and the method does not look at them itself: the problem in which
+/// every attempt succeeds and costs what the attempts cost together.
+std::optional<Problem> without_failures(const Planner& planner, const Task& task) {
+  const Problem& problem = task.problem;
+  const bool sees_failures = planner.uncertain && planner.role != Role::Chooser;
+  if (!problem.only_retries() || sees_failures || problem.objective().of_fleet())
+    return std::nullopt;
+  if (TransitionSystem(problem, task.situation).wide()) return std::nullopt;
+  return attempts_paid(problem);
+}
+
+/// The task with another problem over the same connections, which must outlive it.
+Task same_task(const Problem& problem, const Task& task) {
+  Task same(problem, task.situation);
+  same.steps = task.steps;
+  return same;
+}
+
+/// What is known of a sequence as a policy where failures change nothing. `earned` are the
+/// expected rewards of its steps.
+Expectation expectation_of(const Task& task, const Result& result,
+                           const std::vector<double>& earned) {
+  Expectation expectation;
+  if (result.status != Status::Optimal)
+    expectation.error = result.bound ? std::max(0.0, *result.bound - result.reward) : kInfinity;
+  ConnectionSet open = task.situation.open;
+  for_each_connection(task.situation.inaccessible.view(),
+                      [&](ConnectionIndex connection) { open.erase(connection); });
+  for (std::size_t i = 0; i < result.sequence.size(); ++i) {
+    const ConnectionIndex next = result.sequence[i];
+    expectation.attempts += 1 / task.problem.connections()[next].success;
+    expectation.most_likely.push_back({next, true});
+    expectation.policy.push_back({.open = open, .next = next});
+    open.erase(next);
+  }
+  double still = 0;
+  for (std::size_t i = result.sequence.size(); i > 0; --i) {
+    still += earned[i - 1];
+    expectation.policy[i - 1].reward = still;
+  }
+  return expectation;
+}
+
 /// Everything that stands in the way.
 std::optional<std::string> reason_against(const Planner& planner, const Request& request) {
   if (auto reason = wrong_kind(planner, request)) return reason;
@@ -94,13 +138,14 @@ std::string refusal(const Planner& planner, const std::string& reason, const Req
   throw std::logic_error(result.method + " returned a plan that " + what);
 }
 
-void require_honest_plan(const Task& task, const Result& result) {
-  const PlanCheck check = result.steps.empty()
-                              ? check_plan(task.problem, task.situation, result.sequence)
-                              : check_plan(task.problem, task.situation, result.steps);
+/// @returns what the check found.
+PlanCheck require_honest_plan(const Task& task, const Result& result) {
+  PlanCheck check = result.steps.empty() ? check_plan(task.problem, task.situation, result.sequence)
+                                         : check_plan(task.problem, task.situation, result.steps);
   if (!check.legal) dishonest(result, "breaks a rule: " + check.fault);
-  // Where attempts may fail the reward is an expectation, which no replay of one sequence gives.
-  if (result.expectation || same_reward(result.reward, check)) return;
+  // Where failures may change something the reward is an expectation, which no replay of one
+  // sequence gives.
+  if (result.expectation || same_reward(result.reward, check)) return check;
   dishonest(result, "earns " + std::to_string(check.reward) + " and not the " +
                         std::to_string(result.reward) + " that it claims");
 }
@@ -146,6 +191,8 @@ const Planner& find_planner(std::string_view name) {
 std::optional<std::string> obstacle(const Task& task, std::string_view method,
                                     const Options& options, const Budget& budget) {
   const Planner& planner = find_planner(method);
+  if (const auto certain = without_failures(planner, task))
+    return obstacle(same_task(*certain, task), method, options, budget);
   const Derived derived(task);
   const Request request = derived.request(task, options, budget);
   const auto reason = reason_against(planner, request);
@@ -155,6 +202,13 @@ std::optional<std::string> obstacle(const Task& task, std::string_view method,
 Result solve(const Task& task, std::string_view method, const Options& options,
              const Budget& budget) {
   const Planner& planner = find_planner(method);
+  if (const auto certain = without_failures(planner, task)) {
+    const Task sure = same_task(*certain, task);
+    Result result = solve(sure, method, options, budget);
+    if (result.has_plan())
+      result.expectation = expectation_of(task, result, require_honest_plan(sure, result).rewards);
+    return result;
+  }
   const Derived derived(task);
   const Request request = derived.request(task, options, budget);
   if (const auto reason = wrong_kind(planner, request))
@@ -187,8 +241,11 @@ Result solve(const Problem& problem, std::string_view method, const Options& opt
 
 void require_honest(const Task& task, const Result& result) {
   if (!result.has_plan()) return;
-  task.problem.objective().of_fleet() ? require_honest_fleet_plan(task, result)
-                                      : require_honest_plan(task, result);
+  if (task.problem.objective().of_fleet()) {
+    require_honest_fleet_plan(task, result);
+  } else {
+    static_cast<void>(require_honest_plan(task, result));
+  }
 }
 
 }  // namespace orasp

@@ -37,6 +37,13 @@
 ///     const orasp::Training training = orasp::train(system, {}, minute);
 ///     use(orasp::follow_policy(system, training.trained.policy, {}));
 ///
+///     // A learner of your own: episodes side by side, millions of steps a second.
+///     orasp::VectorEnvironment world(system, 1024);
+///     std::vector<std::int64_t> actions(world.size());
+///     std::vector<double> rewards(world.size());
+///     world.sample(actions);
+///     world.step(actions, {.rewards = rewards});
+///
 ///     // Several robots in synchronous steps: the fewest steps, or the least travel.
 ///     const orasp::Problem lattice = orasp::load_scenario("fleet-lattice");
 ///     use(orasp::solve(lattice, "fleet-search").fleet_plan.steps);
@@ -83,6 +90,7 @@
 #include "orasp/graph/state_index.h"
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/fleet_plan_json.h"
+#include "orasp/io/formats.h"
 #include "orasp/io/import_files.h"
 #include "orasp/io/model_files.h"
 #include "orasp/io/plan_json.h"
@@ -94,6 +102,7 @@
 #include "orasp/learning/environment.h"
 #include "orasp/learning/policy.h"
 #include "orasp/learning/q_learning.h"
+#include "orasp/learning/vector_environment.h"
 #include "orasp/mip/mip.h"
 #include "orasp/model/operations.h"
 #include "orasp/model/plan_check.h"

@@ -101,6 +101,7 @@ class Import(Case):
         lid = [entry for entry in problem["blocking"]["blocked"] if {entry["part"], entry["by"]} == {"gasket", "lid"}]
         self.assertEqual(lid[0]["directions"], ["+z"])
         self.assertEqual(len(lid[0]["x-width"]), 1)
+        self.assertEqual(problem["blocking"]["x-tolerance"], 1e-4)
 
     @has_step
     def test_its_plan_is_what_a_mechanic_would_do(self):

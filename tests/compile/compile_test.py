@@ -59,6 +59,8 @@ REFUSED = {
                                       DELETED),
     "an environment of a temporary system": ("Environment e(system, 1); use(e);",
                                              "Environment e(TransitionSystem(problem), 1); use(e);", DELETED),
+    "a vector environment of a temporary system": ("VectorEnvironment e(system, 1); use(e);",
+                                                   "VectorEnvironment e(TransitionSystem(problem), 1); use(e);", DELETED),
     "an evaluator of a temporary policy": ("PolicyEvaluator e(policy); use(e);", "PolicyEvaluator e(make_policy()); use(e);",
                                            DELETED),
     "a fleet of a temporary problem": ("FleetProblem f(problem); use(f);", "FleetProblem f(make_problem()); use(f);", DELETED),

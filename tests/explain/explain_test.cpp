@@ -208,6 +208,44 @@ TEST(ExplainProblem, BlockingAgainstALimit) {
   EXPECT_EQ(found.conflict[1].message, R"("1" cannot leave "2" along +x)");
 }
 
+// The lid is closed in by the box along both directions, by 12 mm and by a lip of 0.25 mm, where an
+// import took 0.1 mm for contact.
+ProblemSpec lid_under_a_lip() {
+  ProblemSpec spec = instances::assembly(2, {{1, 2}});
+  spec.blocking = Blocking{{"+x", "-x"}, {{"1", "2", {"-x", "+x"}, {0.012, 0.00025}}}, 0.0001};
+  return spec;
+}
+
+TEST(ExplainProblem, SaysHowWideFactsOfAnImportAre) {
+  const ProblemExplanation found = explain_problem(Problem(lid_under_a_lip()), Budget{});
+  ASSERT_EQ(found.conflict.size(), 1U);
+  EXPECT_EQ(found.conflict[0].message,
+            R"("1" cannot leave "2" along +x (0.25 mm wide, near the tolerance of 0.1 mm) and -x )"
+            "(12 mm wide)");
+}
+
+TEST(ExplainConnection, SaysHowWideFactsOfAnImportAre) {
+  ProblemSpec spec = lid_under_a_lip();
+  const auto explained = [&spec] {
+    const Problem problem(spec);
+    return explain_connection(problem, ConnectionSet::all(1), 0, Budget{}).remedies.at(0);
+  };
+  // "2" moves, and its way along +x is that of "1" along -x.
+  EXPECT_TRUE(explained().message.ends_with("(blocking.blocked[0], 12 mm wide)"))
+      << explained().message;
+  ASSERT_EQ(explained().directions.size(), 2U);
+  EXPECT_EQ(explained().directions[0].width, 0.012);
+  EXPECT_EQ(explained().directions[1].width, 0.00025);
+  // Of several facts along a direction the widest keeps it shut; one without a width hides it.
+  spec.blocking->blocked.push_back({"2", "1", {"-x"}, {0.003}});
+  EXPECT_EQ(explained().directions[1].width, 0.003);
+  spec.blocking->blocked.push_back({"2", "1", {"-x"}, {}});
+  EXPECT_FALSE(explained().directions[1].width);
+  spec.blocking->blocked = {{"1", "2", {"-x", "+x"}, {}}};
+  EXPECT_TRUE(explained().message.ends_with("(blocking.blocked[0])")) << explained().message;
+  EXPECT_FALSE(explained().directions[0].width);
+}
+
 TEST(ExplainProblem, FindsAFewAmongHundredsOfEntries) {
   ProblemSpec spec = instances::assembly(0, {});
   Blocking blocking{{"+x", "-x"}, {}};

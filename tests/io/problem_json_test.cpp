@@ -477,6 +477,32 @@ TEST(ProblemDigest, IgnoresWhatPlanningIgnores) {
       plain);
 }
 
+std::string blocked_with(const std::string& width, const std::string& tolerance) {
+  return with(R"("blocking": {"directions": ["+x", "-x"], "x-tolerance": )" + tolerance +
+              R"(, "blocked": [{"part": "1", "by": "2", "directions": ["+x"], "x-width": )" +
+              width + "}]}");
+}
+
+TEST(ProblemJson, KeepsTheWidthsOfFacts) {
+  const Problem problem = parse_problem(blocked_with("[0.00025]", "1e-4"));
+  const Blocking& blocking = *problem.spec().blocking;
+  EXPECT_EQ(blocking.blocked[0].widths, std::vector<double>{0.00025});
+  EXPECT_EQ(blocking.tolerance, 1e-4);
+  const Problem again = parse_problem(problem_text(problem));
+  EXPECT_EQ(again.spec().blocking->blocked[0].widths, blocking.blocked[0].widths);
+  EXPECT_EQ(again.spec().blocking->tolerance, blocking.tolerance);
+  EXPECT_EQ(problem_digest(problem), digest(blocked_with("[1]", "2")));
+}
+
+TEST(ProblemJson, ANoteThatIsNoWidthIsNoFault) {
+  for (const char* width :
+       {"[]", "[0.1, 0.2]", "\"wide\"", "[\"wide\"]", "[-1]", "[0]", "null", "{}"}) {
+    const Problem problem = parse_problem(blocked_with(width, width));
+    EXPECT_TRUE(problem.spec().blocking->blocked[0].widths.empty()) << width;
+    EXPECT_EQ(problem.spec().blocking->tolerance, 0) << width;
+  }
+}
+
 TEST(ProblemDigest, IgnoresTheOrderOfConstraints) {
   EXPECT_EQ(digest(with(R"("precedence": [{"connection": "1-2", "after": ["2-3", "1-2"]}])")),
             digest(with(R"("precedence": [{"connection": "1-2", "after": ["1-2"]},

@@ -168,7 +168,7 @@ def changed(document, path, value):
 class Schemas(unittest.TestCase):
     def test_are_schemas(self):
         names = sorted(path.name for path in (ROOT / "schemas").iterdir())
-        self.assertEqual(len(names), 4)
+        self.assertEqual(len(names), 5)
         for name in names:
             schema = json.loads((ROOT / "schemas" / name).read_text(encoding="utf-8"))
             jsonschema.Draft202012Validator.check_schema(schema)
@@ -288,6 +288,19 @@ class Plans(unittest.TestCase):
                 if problem.get("action") == "part":
                     self.assertTrue(all(isinstance(step, list) for step in plan["disassembly"]))
                     self.assertTrue(all("connections" in step for step in plan["steps"]))
+
+    def test_task_graphs_fit_and_have_no_key_that_the_schema_does_not_know(self):
+        schema = schema_of("orasp-task-graph-1")
+        task_keys = schema["properties"]["tasks"]["items"]["properties"].keys()
+        for problem in ["hubble", "examples/shelf.json", "examples/formats/drawer_matrices.csv", "examples/shelf-worn.json", "chain:1"]:
+            with self.subTest(problem=problem):
+                done = subprocess.run([PROGRAM, "convert", problem, "--to", "task-graph", "-o", "-"], cwd=ROOT, capture_output=True,
+                                      text=True, timeout=120)
+                graph = json.loads(done.stdout)
+                self.assertEqual(faults("orasp-task-graph-1", graph), [])
+                self.assertEqual(graph.keys() - schema["properties"].keys(), set())
+                for task in graph["tasks"]:
+                    self.assertEqual(task.keys() - task_keys, set())
 
     def test_what_replan_says_of_an_old_plan_fits(self):
         with tempfile.TemporaryDirectory() as folder:

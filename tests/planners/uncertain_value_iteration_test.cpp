@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -12,11 +13,16 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/bounds/bound_kinds.h"
 #include "orasp/catalogue.h"
 #include "orasp/execution/simulation.h"
+#include "orasp/graph/state_graph.h"
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/problem_json.h"
+#include "orasp/model/objectives/retried.h"
+#include "orasp/model/random.h"
 #include "orasp/model/validate.h"
+#include "orasp/planners/value_iteration.h"
 #include "tests/checks.h"
 #include "tests/fault.h"
 #include "tests/oracle.h"
@@ -211,7 +217,6 @@ TEST(Uncertain, TwoPartsByHand) {
   EXPECT_LE(result.expectation->residual, 1e-14);
   EXPECT_LE(result.expectation->error, 1e-12);
   EXPECT_EQ(result.sequence, std::vector<ConnectionIndex>{0});
-  EXPECT_EQ(result.method, "value-iteration");
 }
 
 TEST(Uncertain, ThreePartsWithABreakingFailureByHand) {
@@ -401,7 +406,9 @@ TEST(Uncertain, SimulationAgreesWithTheExpectationOfPlansAndPolicies) {
     const UncertainSolution policy = solve_uncertain(by_policy);
     EXPECT_NEAR(policy.values[0], result.reward, reward_tolerance(result.reward)) << what;
     EXPECT_NEAR(policy.attempts[0], result.expectation->attempts, 1e-9) << what;
-    EXPECT_LE(by_policy.num_states(), result.statistics.states) << what;
+    if (!problem.only_retries()) {
+      EXPECT_LE(by_policy.num_states(), result.statistics.states) << what;
+    }
     expect_mean_near(simulate(by_policy, policy.choice, {}, {.runs = 4000, .seed = seed + 1}, {}),
                      result.reward, what + " policy");
 
@@ -419,6 +426,121 @@ TEST(Uncertain, SimulationAgreesWithTheExpectationOfPlansAndPolicies) {
   }
   EXPECT_GE(plans, more_than(15));
   EXPECT_GE(replanned, more_than(5));
+}
+
+/// The problem with attempts that are made again until they succeed: of every fourth problem all
+/// equally likely to.
+ProblemSpec make_retrying(ProblemSpec spec, std::uint64_t seed) {
+  SplitMix64 random(seed + 77);
+  const double alike = 0.25 + 0.5 * random.uniform();
+  for (Connection& connection : spec.connections)
+    connection.success = seed % 4 == 0 ? alike : 0.2 + 0.8 * random.uniform();
+  return spec;
+}
+
+/// What the bounds say in every state of H, against what is best there.
+void expect_bounds_hold(const TransitionSystem& system, const std::string& what) {
+  const StateGraph graph = StateGraph::build(system, {});
+  const std::vector<double> values = value_iteration(graph, {}, {}).values;
+  Expander expander(system);
+  for (const std::string_view name : kBoundNames) {
+    const std::unique_ptr<Bound> bound = make_bound(system, bound_called(name));
+    if (!bound->known()) continue;
+    for (StateId state = 0; state < graph.num_states(); ++state) {
+      if (values[state] == kNever) continue;
+      const double here = (*bound)(graph.state(state));
+      EXPECT_GE(here, values[state] - reward_tolerance(values[state])) << what << ' ' << name;
+      for (ActionId a = graph.begin(state); a < graph.end(state); ++a) {
+        const double there = (*bound)(graph.state(graph.successor(a)));
+        EXPECT_GE(here - there, graph.reward(a) - reward_tolerance(here)) << what << ' ' << name;
+      }
+    }
+  }
+}
+
+// A failure that changes nothing makes a step cost what its attempts cost together, so every method
+// answers, and those that prove prove what value iteration over attempts finds.
+TEST(Uncertain, WhereFailuresChangeNothingEveryMethodAnswers) {
+  int solved = 0;
+  int infeasible = 0;
+  for (std::uint64_t seed = 0; seed < some_of(240U); ++seed) {
+    const Problem problem(make_retrying(random_problem(seed), seed));
+    if (problem.num_connections() > 7 || !problem.only_retries()) continue;
+    const Result truth = solve(problem, "value-iteration");
+    const double tolerance = 10 * reward_tolerance(truth.reward);
+    for (const Planner* const planner : one_robot_planners()) {
+      const std::string what = "seed " + std::to_string(seed) + ' ' + std::string(planner->name);
+      const bool slow = planner->role == Role::Learner || planner->name == "mip";
+      if (obstacle(problem, planner->name) || (slow && seed % 8 != 0)) continue;
+      const Result result = solve(problem, planner->name);
+      if (!truth.has_plan()) {
+        EXPECT_FALSE(result.has_plan()) << what;
+        if (planner->exact) {
+          EXPECT_EQ(status_name(result.status), "infeasible") << what;
+        }
+        continue;
+      }
+      if (planner->exact) {
+        EXPECT_EQ(status_name(result.status), "optimal") << what;
+      }
+      if (!result.has_plan()) continue;
+      EXPECT_LE(result.reward, truth.reward + tolerance) << what;
+      if (result.status == Status::Optimal) {
+        EXPECT_NEAR(result.reward, truth.reward, tolerance) << what;
+      }
+      if (result.bound) {
+        EXPECT_GE(*result.bound, truth.reward - tolerance) << what;
+      }
+      ASSERT_TRUE(result.expectation) << what;
+      double attempts = 0;
+      for (const ConnectionIndex c : result.sequence)
+        attempts += 1 / problem.connections()[c].success;
+      EXPECT_NEAR(result.expectation->attempts, attempts, 1e-9) << what;
+      ASSERT_EQ(result.expectation->policy.size(), result.sequence.size()) << what;
+      if (result.sequence.empty()) continue;
+      EXPECT_EQ(result.expectation->policy.front().open.size(), problem.num_connections()) << what;
+      EXPECT_NEAR(result.expectation->policy.front().reward, result.reward, tolerance) << what;
+      EXPECT_GE(result.reward + result.expectation->error, truth.reward - tolerance) << what;
+      // Who follows the policy earns that.
+      const TransitionSystem system(problem);
+      const UncertainGraph followed =
+          UncertainGraph::build(system, {}, guide_by_policy(system, result.expectation->policy));
+      EXPECT_NEAR(solve_uncertain(followed).values[0], result.reward, tolerance) << what;
+    }
+    if (truth.has_plan()) {
+      ++solved;
+      const Problem paid = attempts_paid(problem);
+      const TransitionSystem system(paid);
+      expect_bounds_hold(system, "seed " + std::to_string(seed));
+      if (problem.direction() == Direction::Assembly)
+        expect_bounds_hold(system.backwards(), "backwards, seed " + std::to_string(seed));
+    } else {
+      ++infeasible;
+    }
+  }
+  EXPECT_GE(solved, more_than(60));
+  EXPECT_GE(infeasible, more_than(5));
+}
+
+TEST(Uncertain, WhatStandsInTheWayIsSaidOfTheObjectiveThatIsStated) {
+  EXPECT_EQ(fault_of([&] { return solve(chain({R"(, "success": 0.5)"}), "a-star"); }),
+            "a-star needs a bound on what a step can earn, and none is known for the objective "
+            "'expression'; use auto, value-iteration, dijkstra or bellman-ford");
+}
+
+TEST(Uncertain, WhatIsLeftOfAJobWithRetriesIsPlannedToo) {
+  // a - b - c - d, -1 an attempt and 0 for the last. b-c cannot be handled any more: a-b takes two
+  // attempts, and c-d completes whichever comes last, so the one with fewer attempts comes first.
+  const Problem problem = chain({R"(, "success": 0.5)", "", R"(, "success": 0.8)"});
+  Situation now = Situation::whole(3);
+  now.inaccessible.insert(1);
+  const Result best = solve(Task(problem, now), "value-iteration");
+  const Result result = solve(Task(problem, now), "a-star");
+  EXPECT_EQ(status_name(result.status), "optimal");
+  EXPECT_NEAR(result.reward, best.reward, 1e-12);
+  ASSERT_EQ(result.expectation->policy.size(), 2U);
+  EXPECT_FALSE(result.expectation->policy.front().open.contains(1));
+  EXPECT_EQ(result.sequence, best.sequence);
 }
 
 TEST(Uncertain, TheSameSeedGivesTheSameRunsAndLongerSimulationsBeginAlike) {
@@ -447,7 +569,7 @@ TEST(Uncertain, APlanWhoseNextConnectionCameOffIsReplanned) {
 }
 
 TEST(Uncertain, OtherMethodsSayThatTheyDoNotApply) {
-  const Problem problem = chain({"", R"(, "success": 0.5)"});
+  const Problem problem = chain({"", R"(, "success": 0.5, "on_failure": {"abort": -9})"});
   for (const Planner* const planner : one_robot_planners()) {
     if (planner->uncertain) continue;
     EXPECT_EQ(fault_of([&] { return solve(problem, planner->name); }),
@@ -461,7 +583,7 @@ TEST(Uncertain, LimitsStopItWithoutAPlan) {
   const Problem problem = chain(std::vector<std::string>(7, R"(, "success": 0.5)"));
   Budget budget;
   budget.max_bytes = 1;
-  const Result result = solve(problem, "auto", {}, budget);
+  const Result result = solve(problem, "value-iteration", {}, budget);
   EXPECT_EQ(status_name(result.status), "unknown");
   EXPECT_EQ(result.stop, Stop::MemoryLimit);
   EXPECT_FALSE(result.expectation);

@@ -156,7 +156,8 @@ class ObjectiveRecipe(unittest.TestCase):
             if str(old.relative_to(TREE)) not in files:
                 old.unlink()
         run("cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O0", "-DORASP_UNITY=ON",
-            "-DORASP_BUILD_TESTS=ON", "-DORASP_WERROR=ON", "-DORASP_WITH_TORCH=OFF")
+            "-DORASP_BUILD_TESTS=ON", "-DORASP_WERROR=ON", "-DORASP_WITH_TORCH=OFF", "-DORASP_WITH_OCCT=OFF",
+            "-DORASP_WITH_ASSIMP=OFF")
         run("cmake", "--build", BUILD, "--target", "orasp_cli", "orasp_test_support")
         cls.program = next(path for path in BUILD.rglob("orasp") if path.is_file())
 

@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "orasp/drawing/detail/dot_text.h"
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/drawing/graphviz.h"
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/graph/graph_size.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/detail/dot_text.h"
 #include "orasp/model/error.h"
 #include "orasp/model/situation.h"
 

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "orasp/drawing/detail/dot_text.h"
 #include "orasp/drawing/drawing_process.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/detail/dot_text.h"
 #include "orasp/model/error.h"
 #include "orasp/model/tolerance.h"
 

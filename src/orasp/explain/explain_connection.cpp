@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -31,6 +32,8 @@ std::vector<BlockedDirection> blocked_directions(const Problem& problem, const S
     std::set<PartIndex> blocked;
     std::set<PartIndex> in_the_way;
     std::set<std::size_t> entries;
+    double width = 0;
+    bool measured = true;  ///< every entry states its width
   };
   std::map<DirectionIndex, Parts> along;
   const auto& entries = problem.spec().blocking->blocked;
@@ -40,9 +43,13 @@ std::vector<BlockedDirection> blocked_directions(const Problem& problem, const S
     const bool forward = moved[part] != 0 && stays[by] != 0;
     const bool backward = moved[by] != 0 && stays[part] != 0;
     if (!forward && !backward) continue;
-    for (const std::string& name : entries[i].directions) {
-      const DirectionIndex direction = *problem.find_direction(name);
+    for (std::size_t d = 0; d < entries[i].directions.size(); ++d) {
+      const DirectionIndex direction = *problem.find_direction(entries[i].directions[d]);
       Parts& found = along[forward ? direction : opposite(direction)];
+      if (entries[i].widths.empty())
+        found.measured = false;
+      else
+        found.width = std::max(found.width, entries[i].widths[d]);
       found.blocked.insert(forward ? part : by);
       found.in_the_way.insert(forward ? by : part);
       found.entries.insert(i);
@@ -53,7 +60,8 @@ std::vector<BlockedDirection> blocked_directions(const Problem& problem, const S
     directions.push_back({.direction = problem.direction_name(direction),
                           .moved = {found.blocked.begin(), found.blocked.end()},
                           .in_the_way = {found.in_the_way.begin(), found.in_the_way.end()},
-                          .entries = {found.entries.begin(), found.entries.end()}});
+                          .entries = {found.entries.begin(), found.entries.end()},
+                          .width = found.measured ? std::optional(found.width) : std::nullopt});
   }
   std::ranges::stable_sort(directions, {}, [](const BlockedDirection& direction) {
     return std::pair(direction.in_the_way.size(), direction.entries.size());
@@ -126,6 +134,7 @@ Remedy remedy_for(const Problem& problem, const Violation& violation, const Step
       for (std::size_t i = 0; i < best.entries.size(); ++i)
         remedy.message +=
             (i > 0 ? ", " : "") + ("blocking.blocked[" + std::to_string(best.entries[i]) + "]");
+      if (best.width) remedy.message += ", " + width_text(*problem.spec().blocking, *best.width);
       remedy.message += ")";
       break;
     }
@@ -235,6 +244,15 @@ void search_depth_first(const Problem& problem, const TransitionSystem& system,
 }
 
 }  // namespace
+
+std::string width_text(const Blocking& blocking, double width) {
+  constexpr double kMillimetres = 1000;
+  std::string text = detail::rounded_text(kMillimetres * width) + " mm wide";
+  if (blocking.is_near_tolerance(width))
+    text += ", near the tolerance of " + detail::rounded_text(kMillimetres * blocking.tolerance) +
+            " mm";
+  return text;
+}
 
 ConnectionExplanation explain_connection(const Problem& problem, const ConnectionSet& open,
                                          ConnectionIndex connection, const Budget& budget) {

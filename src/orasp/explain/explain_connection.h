@@ -21,7 +21,14 @@ struct BlockedDirection {
   std::vector<PartIndex> in_the_way;
   /// The entries that say so, as positions in blocking.blocked, ascending.
   std::vector<std::size_t> entries;
+  /// m; the greatest width that those entries state along this direction, if all of them state one
+  /// (Blocked::widths): were it nothing, the direction would be free.
+  std::optional<double> width;
 };
+
+/// How wide the region is in which two parts meet, for people: "0.19 mm wide, near the tolerance of
+/// 0.1 mm". `width` in m.
+[[nodiscard]] std::string width_text(const Blocking& blocking, double width);
 
 /// What would have to be different for one violated constraint to hold.
 struct Remedy {

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "orasp/explain/explain_connection.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/planners/feasibility.h"
 #include "orasp/planners/greedy.h"
@@ -413,6 +414,11 @@ ConflictItem described(const Problem& problem, const Unit& unit,
   for (std::size_t i = 0; i < unit.size(); ++i) {
     if (i > 0) directions += i + 1 == unit.size() ? " and " : ", ";
     directions += problem.direction_name(DirectionIndex(unit[i].member));
+    for (std::size_t d = 0; d < entry.widths.size(); ++d) {
+      if (*problem.find_direction(entry.directions[d]) != unit[i].member) continue;
+      directions += " (" + width_text(*spec.blocking, entry.widths[d]) + ")";
+      break;
+    }
   }
   return {Constraint::Blocking, "blocking.blocked[" + std::to_string(first.entry) + "]",
           in_quotes(entry.part) + " cannot leave " + in_quotes(entry.by) + " along " + directions};

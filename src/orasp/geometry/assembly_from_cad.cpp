@@ -19,8 +19,6 @@ namespace orasp {
 
 namespace {
 
-constexpr double kMetre = 1000;  ///< mm
-
 /// A number with `digits` significant ones, so that files stay short and the same everywhere.
 double rounded(double number, int digits) {
   if (!std::isfinite(number) || number == 0) return 0;
@@ -122,8 +120,9 @@ void add_connections(ImportedAssembly& assembly, const ImportSettings& settings)
   }
 }
 
-void add_blocking(ImportedAssembly& assembly) {
+void add_blocking(ImportedAssembly& assembly, const ImportSettings& settings) {
   Blocking blocking;
+  blocking.tolerance = settings.tolerance / kMetre;
   for (std::size_t d = 0; d < assembly.directions.size(); ++d) {
     const std::string& id = assembly.direction_ids[d];
     if (d < 3) {
@@ -135,7 +134,10 @@ void add_blocking(ImportedAssembly& assembly) {
   }
   for (const PairFacts& pair : facts_by_pair(assembly)) {
     Blocked blocked{.part = assembly.parts[pair.part].id, .by = assembly.parts[pair.by].id};
-    for (const DirectedFact& fact : pair.facts) blocked.directions.push_back(fact.direction);
+    for (const DirectedFact& fact : pair.facts) {
+      blocked.directions.push_back(fact.direction);
+      blocked.widths.push_back(fact.fact->width / kMetre);
+    }
     blocking.blocked.push_back(std::move(blocked));
   }
   assembly.problem.blocking = std::move(blocking);
@@ -242,7 +244,7 @@ void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
     problem.parts.push_back(std::move(part));
   }
   add_connections(assembly, settings);
-  add_blocking(assembly);
+  add_blocking(assembly, settings);
   for (const std::uint32_t part : assembly.base) problem.base.push_back(assembly.parts[part].id);
   problem.action = settings.action;
   // Subassemblies that need not move at once are not tried: they are many. Where parts that do not

@@ -10,6 +10,8 @@
 
 namespace orasp {
 
+inline constexpr double kMetre = 1000;  ///< mm, in which models are read
+
 /// What one face of a drawing says about directions: the normal of a plane, the axis of a cylinder
 /// or cone.
 struct FaceHint {

@@ -24,8 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr double kMetre = 1000;  ///< mm
-
 /// With four significant digits: what is measured on triangles has no more.
 double short_number(double number) {
   if (!std::isfinite(number) || number == 0) return 0;
@@ -124,8 +122,12 @@ std::string laid_out(const ordered_json& problem) {
     if (key == "parts" || key == "connections" || key == "precedence") {
       text += lines(value, "  ");
     } else if (key == "blocking") {
-      text += "{\n    \"directions\": " + detail::inline_text(value["directions"]) +
-              ",\n    \"blocked\": " + lines(value["blocked"], "    ") + "\n  }";
+      text += "{";
+      for (const auto& [member, content] : value.items()) {
+        text += (text.back() == '{' ? "\n    " : ",\n    ") + detail::inline_text(member) + ": ";
+        text += member == "blocked" ? lines(content, "    ") : detail::inline_text(content);
+      }
+      text += "\n  }";
     } else {
       text += detail::inline_text(value);
     }

@@ -17,6 +17,7 @@
 #include "orasp/io/detail/json_members.h"
 #include "orasp/io/detail/json_text.h"
 #include "orasp/io/detail/objective_members.h"
+#include "orasp/io/detail/problem_spec_text.h"
 #include "orasp/io/digest.h"
 #include "orasp/io/formula_parser.h"
 #include "orasp/model/detail/wording.h"
@@ -170,12 +171,38 @@ BlockingDirection read_blocking_direction(JsonValue value, const Place& place) {
   return {members.read_required("id", read_id), members.read_required("vector", read_point<3>)};
 }
 
+constexpr std::string_view kWidthNote = "x-width";
+constexpr std::string_view kToleranceNote = "x-tolerance";
+
+/// The positive numbers of the note `key` of an object, one or an array of them; none where it
+/// holds anything else, for a note is never wrong.
+std::vector<double> noted_numbers(JsonValue object, std::string_view key) {
+  std::vector<double> numbers;
+  bool sound = true;
+  const auto take = [&](JsonValue value) {
+    sound = sound && value.is(JsonKind::Number) && value.number() > 0;
+    if (sound) numbers.push_back(value.number());
+  };
+  object.for_each([&](JsonValue member) {
+    if (member.key() != key) return;
+    if (member.is(JsonKind::Array))
+      member.for_each(take);
+    else
+      take(member);
+  });
+  if (!sound) numbers.clear();
+  return numbers;
+}
+
 Blocked read_blocked(JsonValue value, const Place& place) {
   constexpr auto kKeys = std::to_array<std::string_view>({"part", "by", "directions"});
   const Members members(value, place, kKeys);
-  return {.part = members.read_required("part", read_id),
-          .by = members.read_required("by", read_id),
-          .directions = members.read_required("directions", read_directions)};
+  Blocked entry{.part = members.read_required("part", read_id),
+                .by = members.read_required("by", read_id),
+                .directions = members.read_required("directions", read_directions)};
+  entry.widths = noted_numbers(value, kWidthNote);
+  if (entry.widths.size() != entry.directions.size()) entry.widths.clear();
+  return entry;
 }
 
 Blocking read_blocking(JsonValue value, const Place& place) {
@@ -189,6 +216,8 @@ Blocking read_blocking(JsonValue value, const Place& place) {
   blocking.blocked = members.read_required("blocked", [](JsonValue list, const Place& list_place) {
     return read_array(list, list_place, "an array of objects", read_blocked);
   });
+  const std::vector<double> tolerance = noted_numbers(value, kToleranceNote);
+  if (tolerance.size() == 1) blocking.tolerance = tolerance.front();
   return blocking;
 }
 
@@ -537,14 +566,15 @@ std::string canonical_text(const Problem& problem) {
 
 }  // namespace
 
-Problem parse_problem(std::string_view json) {
-  constexpr auto kLimits = std::to_array<detail::JsonDocument::ArrayLimit>(
+ProblemSpec detail::parse_problem_spec(std::string_view json) {
+  constexpr auto kLimits = std::to_array<JsonDocument::ArrayLimit>(
       {{"parts", kMaxParts}, {"connections", kMaxConnections}});
-  ProblemSpec spec = [&] {
-    const detail::JsonDocument document = detail::JsonDocument::parse(json, kLimits);
-    return read_spec(document.root());
-  }();
-  return Problem(std::move(spec));
+  const JsonDocument document = JsonDocument::parse(json, kLimits);
+  return read_spec(document.root());
+}
+
+Problem parse_problem(std::string_view json) {
+  return Problem(detail::parse_problem_spec(json));
 }
 
 Problem read_problem(const std::filesystem::path& file) {
@@ -556,7 +586,10 @@ Problem read_problem(const std::filesystem::path& file) {
 }
 
 std::string problem_text(const Problem& problem) {
-  const ProblemSpec& spec = problem.spec();
+  return detail::problem_spec_text(problem.spec());
+}
+
+std::string detail::problem_spec_text(const ProblemSpec& spec) {
   if (!detail::has_text(spec.objective)) {
     throw InputError(
         "objective: a callable is code and cannot be written to a file; use \"expression\"");
@@ -576,12 +609,19 @@ std::string problem_text(const Problem& problem) {
   if (!spec.precedence.empty()) put("precedence", lines(spec.precedence, "  ", precedence_json));
   if (spec.blocking) {
     const std::string blocked = lines(spec.blocking->blocked, "    ", [](const Blocked& entry) {
-      return ordered_json{{"part", entry.part}, {"by", entry.by}, {"directions", entry.directions}};
+      ordered_json json = {
+          {"part", entry.part}, {"by", entry.by}, {"directions", entry.directions}};
+      if (!entry.widths.empty()) json[kWidthNote] = entry.widths;
+      return json;
     });
     ordered_json directions = ordered_json::array();
     for (const BlockingDirection& direction : spec.blocking->directions)
       directions.push_back(blocking_direction_json(direction));
-    put("blocking", "{\n    \"directions\": " + detail::inline_text(directions) +
+    const std::string tolerance = spec.blocking->tolerance > 0
+                                      ? ",\n    " + detail::inline_text(kToleranceNote) + ": " +
+                                            detail::inline_text(spec.blocking->tolerance)
+                                      : std::string();
+    put("blocking", "{\n    \"directions\": " + detail::inline_text(directions) + tolerance +
                         ",\n    \"blocked\": " + blocked + "\n  }");
   }
   const ordered_json limits = limits_json(spec.limits, Defaults::LeftOut);

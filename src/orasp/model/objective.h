@@ -27,6 +27,9 @@ struct Objective {
   /// for `expression`, `sum` and `callable`, which have no meaning without parameters.
   [[nodiscard]] static Objective named(std::string_view type);
 
+  /// The type that the user stated: of a Retried, that of one attempt.
+  [[nodiscard]] const std::string& stated_type() const;
+
   /// Whether it judges plans of several robots (kFleetObjectiveTypes) and no plan of one.
   [[nodiscard]] bool of_fleet() const;
 };

@@ -23,10 +23,11 @@ std::string sentence(const Problem& problem, const PlanDirectionFault& fault) {
          in_quotes(problem.part_id(fault.part));
 }
 
-PlanCheck check_of(const Problem& problem, const detail::PlanReplay& replay, std::size_t steps) {
+PlanCheck check_of(const Problem& problem, detail::PlanReplay replay, std::size_t steps) {
   PlanCheck check;
   check.legal = replay.faults.empty() && replay.direction_faults.empty();
   check.reward = replay.reward;
+  check.rewards = std::move(replay.rewards);
   check.tolerance = replay.tolerance;
   if (check.legal) return check;
   const bool rule_first = replay.direction_faults.empty() ||

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
@@ -21,6 +22,8 @@ struct PlanCheck {
   /// plan is legal.
   std::string fault;
   double reward = 0;  ///< the sum over the steps that can be made
+  /// Of each of them, in the order of the plan; empty where steps take parts.
+  std::vector<double> rewards;
   /// By how much another honest sum of the same rewards can differ: 1e-9 of the sum of the absolute
   /// values of all rewards and terms (or of 1, if that is less), and what positions, masses and
   /// formulas that look at them lose when they are added up in another order.

@@ -395,6 +395,12 @@ std::optional<ConnectionIndex> Problem::first_uncertain() const {
   return static_cast<ConnectionIndex>(found - spec_.connections.begin());
 }
 
+bool Problem::only_retries() const {
+  return uncertain() && std::ranges::all_of(spec_.connections, [](const Connection& connection) {
+           return connection.success >= 1 || connection.on_failure.retries();
+         });
+}
+
 ConnectionIndex Problem::find_connection(const std::string& id, const std::string& place) const {
   const auto found = connection_by_id_.find(id);
   if (found == connection_by_id_.end()) {

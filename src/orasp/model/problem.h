@@ -78,6 +78,9 @@ struct Blocked {
   std::string part{};
   std::string by{};
   std::vector<std::string> directions{};
+  /// m; for each of `directions` how wide the region is in which they would meet; empty where that
+  /// is not known. An import writes it as `x-width`. No rule looks at it, explanations do.
+  std::vector<double> widths{};
 };
 
 /// A way in which a piece may leave: one of the axes +x -x +y -y +z -z, which has no vector, or a
@@ -98,6 +101,15 @@ struct BlockingDirection {
 struct Blocking {
   std::vector<BlockingDirection> directions{};
   std::vector<Blocked> blocked{};
+  /// m; what the import that found the facts took for contact (`x-tolerance`); 0 where there was
+  /// none.
+  double tolerance = 0;
+
+  /// Whether a fact so wide might be none, since it is little wider than an import can tell.
+  [[nodiscard]] bool is_near_tolerance(double width) const {
+    constexpr double kNearlyWide = 4;  // facts are wider than twice the tolerance
+    return width < kNearlyWide * tolerance;
+  }
 };
 
 struct Limits {
@@ -245,6 +257,8 @@ class Problem {
   /// The first connection at which an attempt may fail (success below 1); empty if there is none.
   [[nodiscard]] std::optional<ConnectionIndex> first_uncertain() const;
   [[nodiscard]] bool uncertain() const { return first_uncertain().has_value(); }
+  /// Whether some attempt may fail, and no failure does more than cost what an attempt costs.
+  [[nodiscard]] bool only_retries() const;
   /// @throws InputError `no connection "x"; connections are ...`, with `place` in front.
   [[nodiscard]] ConnectionIndex find_connection(const std::string& id,
                                                 const std::string& place) const;

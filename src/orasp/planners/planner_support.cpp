@@ -113,7 +113,7 @@ Result exhausted(std::string_view method, const Statistics& statistics) {
 }
 
 std::string unknown_bound(const TransitionSystem& system, BoundKind kind) {
-  const std::string& objective = system.problem().objective().type;
+  const std::string& objective = system.problem().objective().stated_type();
   if (kind == BoundKind::Best) {
     return "needs a bound on what a step can earn, and none is known for the objective '" +
            objective + "'";

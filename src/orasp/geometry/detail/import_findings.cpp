@@ -1,8 +1,6 @@
 #include "orasp/geometry/detail/import_findings.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -11,29 +9,16 @@
 #include <utility>
 
 #include "orasp/geometry/detail/part_names.h"
+#include "orasp/model/detail/wording.h"
 
 namespace orasp::detail {
 
 namespace {
 
-constexpr double kInside = 0.2;      ///< of the smaller part's volume
-constexpr double kNearlyWide = 4.0;  ///< times the tolerance; facts are wider than twice it
+constexpr double kInside = 0.2;  ///< of the smaller part's volume
 
 std::string quoted(const std::string& id) {
   return "\"" + id + "\"";
-}
-
-/// Two significant digits or a whole number: "0.19", "12".
-std::string number_text(double number) {
-  std::array<char, 32> text{};
-  const int digits = std::abs(number) >= 100 ? 0 : std::abs(number) >= 10 ? 1 : 2;
-  const auto written = std::to_chars(text.data(), text.data() + text.size(), number,
-                                     std::chars_format::fixed, digits);
-  std::string result(text.data(), written.ptr);
-  if (result.find('.') == std::string::npos) return result;
-  while (result.ends_with('0')) result.pop_back();
-  if (result.ends_with('.')) result.pop_back();
-  return result;
 }
 
 std::string counted(std::size_t number, const std::string& noun) {
@@ -85,7 +70,7 @@ void find_overlaps(ImportedAssembly& assembly) {
       overlap.verdict = OverlapVerdict::Inside;
       questions.ask(contact.a, contact.b,
                     " are drawn inside each other, " +
-                        number_text(std::min(100.0, 100 * contact.overlap->share)) +
+                        rounded_text(std::min(100.0, 100 * contact.overlap->share)) +
                         " % of the smaller part: exclude one of them if they are alternatives, or "
                         "mend the drawing if one should have a hole");
     } else if (contact.kind == Contact::Kind::Touch) {
@@ -136,9 +121,11 @@ void find_locked(ImportedAssembly& assembly) {
   }
 }
 
-void find_near_facts(ImportedAssembly& assembly, double tolerance) {
+void find_near_facts(ImportedAssembly& assembly) {
+  const Blocking& blocking = *assembly.problem.blocking;
   for (std::size_t f = 0; f < assembly.facts.size(); ++f) {
-    if (assembly.facts[f].width < kNearlyWide * tolerance) assembly.near_facts.push_back(f);
+    if (blocking.is_near_tolerance(assembly.facts[f].width / kMetre))
+      assembly.near_facts.push_back(f);
   }
 }
 
@@ -166,7 +153,7 @@ void note_proposed(ImportedAssembly& assembly) {
   for (const Contact& contact : assembly.contacts) {
     if (!contact.proposed) continue;
     questions.ask(contact.a, contact.b,
-                  " are " + number_text(contact.distance) +
+                  " are " + rounded_text(contact.distance) +
                       " mm apart, and one of them touches nothing: they are taken for joined, is "
                       "that so?");
   }
@@ -183,13 +170,14 @@ void note_sizes(ImportedAssembly& assembly) {
   constexpr double kSmallest = 1;
   const double diagonal = box.diagonal();
   if (diagonal > kLargest || diagonal < kSmallest) {
-    assembly.warnings.push_back("the product measures " + number_text(diagonal / 1000) +
+    assembly.warnings.push_back("the product measures " + rounded_text(diagonal / 1000) +
                                 " m across; if that is wrong, --unit says what the file is in");
   }
   for (const CadPartFacts& part : assembly.parts) {
     constexpr double kLongBolt = 500;  // mm
     if (!names_fastener(part.name) || part.box.diagonal() < kLongBolt) continue;
-    assembly.warnings.push_back(quoted(part.id) + " is " + number_text(part.box.diagonal() / 1000) +
+    assembly.warnings.push_back(quoted(part.id) + " is " +
+                                rounded_text(part.box.diagonal() / 1000) +
                                 " m long, much for a fastener; --unit says what the file is in");
     break;
   }
@@ -236,7 +224,7 @@ void note_densities(ImportedAssembly& assembly, const ImportSettings& settings) 
   }
   if (assumed > 0 && !settings.densities.others) {
     assembly.warnings.push_back("nothing tells the density of " + counted(assumed, "part") + ": " +
-                                number_text(density) +
+                                rounded_text(density) +
                                 " kg/m^3 is assumed; --density gives another");
   }
   std::size_t ignored = 0;
@@ -288,7 +276,7 @@ void find_groups(ImportedAssembly& assembly) {
 void add_findings(ImportedAssembly& assembly, const ImportSettings& settings) {
   find_overlaps(assembly);
   find_locked(assembly);
-  find_near_facts(assembly, settings.tolerance);
+  find_near_facts(assembly);
   note_groups(assembly);
   note_proposed(assembly);
   note_base(assembly);

@@ -864,6 +864,7 @@ PlanReplay Replayer::run() {
         " connections present is " + unfit_reward_text(value.unfit));
   }
   replay_.reward = std::accumulate(rewards_.begin(), rewards_.end(), 0.0);
+  replay_.rewards = std::move(rewards_);
   std::ranges::stable_sort(replay_.faults, {}, &PlanFault::step);
   std::ranges::stable_sort(replay_.direction_faults, {}, &PlanDirectionFault::step);
   replay_.tolerance = 1e-9 * std::max(1.0, magnitude_) + rounding_;

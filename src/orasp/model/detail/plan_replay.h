@@ -38,6 +38,8 @@ struct PlanReplay {
   std::vector<PlanDirectionFault> direction_faults;  ///< ascending by step
   std::vector<Step> steps;  ///< those that could be made, where they were asked for
   double reward = 0;
+  /// Of each step that could be made, in the order of the plan; empty where steps take parts.
+  std::vector<double> rewards;
   double tolerance = 0;  ///< see PlanCheck
   /// Whether it was judged that late steps come when nothing else can be done. That is left out
   /// where a legal step may shut something out, since then it takes a search.

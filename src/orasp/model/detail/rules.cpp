@@ -39,10 +39,14 @@ std::optional<double> greatest_size(const WeightedTerm& addend, const Problem& p
                      std::abs(all->base) + 2 * dearest});
     return std::abs(addend.weight) * size;
   }
-  for (const bool completes : {false, true}) {
-    question.completes = completes;
-    const RewardRange range = addend.term->range(question);
-    size = std::max({size, std::abs(range.least), std::abs(range.greatest)});
+  const std::size_t asked = addend.term->sees.range_by_connection ? problem.num_connections() : 1;
+  for (std::size_t c = 0; c < asked; ++c) {
+    question.connection = static_cast<ConnectionIndex>(c);
+    for (const bool completes : {false, true}) {
+      question.completes = completes;
+      const RewardRange range = addend.term->range(question);
+      size = std::max({size, std::abs(range.least), std::abs(range.greatest)});
+    }
   }
   if (!std::isfinite(size)) return std::nullopt;
   return std::abs(addend.weight) * size;

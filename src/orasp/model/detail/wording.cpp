@@ -99,6 +99,21 @@ std::string number_text(double number) {
   return {buffer.data(), end};
 }
 
+std::string rounded_text(double number) {
+  // The digits behind the point of a number below the least with one digit less.
+  const double size = std::abs(number);
+  const int digits = size >= 100 ? 0 : size >= 10 ? 1 : 2;
+  std::array<char, 400> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number,
+                                 std::chars_format::fixed, digits)
+                       .ptr;
+  std::string text(buffer.data(), end);
+  if (text.find('.') == std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
 std::string at(std::string_view place, std::string_view message) {
   std::string text(place);
   if (!place.empty()) text += ": ";

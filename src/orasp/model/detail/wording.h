@@ -20,6 +20,9 @@ namespace orasp::detail {
 /// The shortest decimal text that reads back as the same number; "NaN", "infinity", "-infinity".
 [[nodiscard]] std::string number_text(double number);
 
+/// For people: a whole number, or no more than two digits behind the point: "0.19", "12.5", "340".
+[[nodiscard]] std::string rounded_text(double number);
+
 /// `place: message`, or the message alone where the place is empty.
 [[nodiscard]] std::string at(std::string_view place, std::string_view message);
 

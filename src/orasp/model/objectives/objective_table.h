@@ -15,6 +15,7 @@
 #include "orasp/model/objectives/fuel.h"
 #include "orasp/model/objectives/indexed.h"
 #include "orasp/model/objectives/piece_cost.h"
+#include "orasp/model/objectives/retried.h"
 #include "orasp/model/objectives/route.h"
 #include "orasp/model/objectives/sum.h"
 #include "orasp/model/objectives/time.h"
@@ -23,9 +24,9 @@
 namespace orasp {
 
 /// The parameters of one objective.
-using ObjectiveParameters =
-    std::variant<PieceCost, CubesatZone, Indexed, TimeObjective, Travel, Fuel, CompletionObjective,
-                 Changeover, Route, Expression, Callable, WeightedSum, Makespan, FleetTravel>;
+using ObjectiveParameters = std::variant<PieceCost, CubesatZone, Indexed, TimeObjective, Travel,
+                                         Fuel, CompletionObjective, Changeover, Route, Expression,
+                                         Callable, WeightedSum, Retried, Makespan, FleetTravel>;
 
 /// One type of objective: what a file calls it, and who knows all about it.
 struct ObjectiveRow {
@@ -64,6 +65,7 @@ inline constexpr auto kObjectiveRows = std::to_array<ObjectiveRow>({
      .kind = callable_kind,
      .in_files = false,
      .needs = "a function of the step"},
+    {.type = "retried", .kind = retried_kind, .in_files = false, .needs = "what one attempt earns"},
 });
 
 /// The row of a type; null if there is none.

@@ -44,6 +44,8 @@ struct TermSight {
   bool elapsed = false;
   /// On what the steps before left behind (detail::StepMemory), which is then part of a state.
   bool looks_back = false;
+  /// `range` depends on which connection it is, beyond its duration and its place.
+  bool range_by_connection = false;
   /// Foreign code is called, which may fail or yield a number that is not finite.
   bool calls_out = false;
 };

@@ -1,4 +1,4 @@
-#include "orasp/drawing/detail/dot_text.h"
+#include "orasp/io/detail/dot_text.h"
 
 #include <fmt/format.h>
 
