@@ -47,9 +47,7 @@ print(answer.status, answer.reward, answer.changes)
 
 # %%
 risky = orasp.load("4piece").copy()
-for connection in (content := risky["connections"]):
-    connection["success"] = 0.9
-risky["connections"] = content
+risky["connections"] = [dict(connection, success=0.9) for connection in risky["connections"]]
 risky.objective = "time"
 policy = orasp.solve(risky)
 simulation = orasp.simulate(risky, 2000, policy=policy)

@@ -7,7 +7,8 @@
 
 The parts of the package:
 
-* problems: :class:`Problem`, :func:`load`, :func:`scenarios`, :func:`import_model`
+* problems: :class:`Problem`, :func:`load`, :func:`scenarios`, :func:`import_model`,
+  :func:`read_format`, :func:`write_format`
 * plans: :func:`solve`, :class:`Result`, :func:`methods`, :func:`obstacle`
 * the work as it goes on: :func:`replan`, :class:`Replanner`
 * questions: :func:`evaluate`, :func:`explain`, :func:`explain_connection`, :func:`sample`,
@@ -20,6 +21,7 @@ The parts of the package:
 What is wrong with an input is an :class:`InputError`, a ValueError with one sentence.
 """
 
+from orasp._formats import Format, format_text, formats, read_format, write_format
 from orasp._graph import Graph, GraphEstimate, GraphSize, estimate_graph, graph
 from orasp._learning import Policy, Training, learning_available, train, training_options
 from orasp._models import ImportedModel, import_model
@@ -58,6 +60,7 @@ from orasp._solve import (
     PlanStep,
     Progress,
     Result,
+    Stopper,
     methods,
     obstacle,
     solve,
@@ -76,6 +79,7 @@ __all__ = [
     "Expectation",
     "Explanation",
     "FleetStep",
+    "Format",
     "Graph",
     "GraphEstimate",
     "GraphSize",
@@ -105,6 +109,7 @@ __all__ = [
     "Statistics",
     "Step",
     "Steps",
+    "Stopper",
     "Training",
     "VectorEnvironment",
     "Violation",
@@ -115,12 +120,15 @@ __all__ = [
     "explain",
     "explain_connection",
     "figures",
+    "format_text",
+    "formats",
     "graph",
     "import_model",
     "learning_available",
     "load",
     "methods",
     "obstacle",
+    "read_format",
     "replan",
     "report",
     "sample",
@@ -130,5 +138,6 @@ __all__ = [
     "train",
     "training_options",
     "tree_svg",
+    "write_format",
     "write_model",
 ]

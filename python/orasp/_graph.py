@@ -10,7 +10,7 @@ import numpy.typing as npt
 from orasp import _orasp
 from orasp._problem import Problem, ProblemLike, load
 from orasp._reward import ObjectiveLike
-from orasp._solve import ProgressCallback, run_of
+from orasp._solve import ProgressCallback, Stopper, run_of
 
 if TYPE_CHECKING:
     import networkx
@@ -151,7 +151,7 @@ class Graph:
         time_limit: Optional[float] = None,
         threads: Optional[int] = None,
         progress: Optional[ProgressCallback] = None,
-        stop: Optional[Any] = None,
+        stop: Optional[Stopper] = None,
     ) -> npt.NDArray[np.float64]:
         """The best reward still to come from each state (value iteration), or with ``from_start`` the best
         reward from the start to it (Bellman-Ford), shape ``[states]``; -inf where the goal cannot be reached.
@@ -281,7 +281,7 @@ def graph(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
 ) -> Graph:
     """Builds H. The arguments are those of :func:`solve`.
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from orasp import _orasp
 from orasp._content import OptionValue, option_texts, real, whole
 from orasp._problem import ProblemLike, load, warn
-from orasp._solve import Option, ProgressCallback, Result, options_of, run_of
+from orasp._solve import Option, ProgressCallback, Result, Stopper, options_of, run_of
 
 
 class Policy:
@@ -136,7 +136,7 @@ def train(
     time_limit: Optional[float] = None,
     memory_limit: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     objective: Any = None,
     direction: Optional[str] = None,
     max_subassemblies: Optional[int] = None,

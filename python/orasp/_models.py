@@ -10,7 +10,7 @@ from typing import Any, Optional, Union
 from orasp import _orasp
 from orasp._content import real, whole
 from orasp._problem import Problem
-from orasp._solve import ProgressCallback, run_of
+from orasp._solve import ProgressCallback, Stopper, run_of
 
 _MILLIMETRES = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4, "in": 25.4, "foot": 304.8}
 _KINDS = ("contact", "fit", "fastener")
@@ -66,7 +66,7 @@ def import_model(
     duration: Optional[Mapping[str, float]] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
 ) -> ImportedModel:
     """Makes a problem of a CAD model: parts with their masses, connections where they touch, and what blocks
     what along which direction. The arguments are the options of ``orasp import``.

@@ -114,7 +114,7 @@ class Problem:
         """What a file would say, to be read."""
         if self._content is None:
             assert self._made is not None
-            self._content = json.loads(self._text if self._text is not None else self._made.text())
+            self._content = json.loads(self._made.text() if self._text is None else self._text.removeprefix("\ufeff"))
             self._text = None
         return self._content
 
@@ -203,28 +203,24 @@ class Problem:
         self,
         connection: str,
         *,
-        after: Iterable[str] = (),
-        after_any: Iterable[str] = (),
-        made_after: Iterable[str] = (),
-        made_after_any: Iterable[str] = (),
+        after: Union[str, Iterable[str]] = (),
+        after_any: Union[str, Iterable[str]] = (),
+        made_after: Union[str, Iterable[str]] = (),
+        made_after_any: Union[str, Iterable[str]] = (),
     ) -> None:
         """Precedence: ``connection`` is removed only after all of ``after`` and at least one of
-        ``after_any``; it is made only after all of ``made_after`` and at least one of ``made_after_any``."""
+        ``after_any``; it is made only after all of ``made_after`` and at least one of ``made_after_any``. Each is an id or several."""
         entry: dict[str, Any] = {"connection": connection}
         lists = {"after": after, "after_any": after_any, "made_after": made_after, "made_after_any": made_after_any}
         for key, ids in lists.items():
-            if isinstance(ids, str):
-                raise _orasp.InputError(f"{key}: expected several connection ids, not one text")
-            if listed := list(ids):
+            if listed := _ids(ids):
                 entry[key] = listed
         self._changing().setdefault("precedence", []).append(entry)
 
-    def block(self, part: str, by: str, directions: Iterable[str]) -> None:
-        """While both are there, ``part`` cannot leave ``by`` along ``directions``."""
-        if isinstance(directions, str):
-            directions = [directions]
+    def block(self, part: str, by: str, directions: Union[str, Iterable[str]]) -> None:
+        """While both are there, ``part`` cannot leave ``by`` along ``directions``: one, or several."""
         blocking = self._changing().setdefault("blocking", {"directions": ["+x", "-x", "+y", "-y", "+z", "-z"]})
-        blocking.setdefault("blocked", []).append({"part": part, "by": by, "directions": list(directions)})
+        blocking.setdefault("blocked", []).append({"part": part, "by": by, "directions": _ids(directions)})
 
     def look_along(self, directions: Iterable[Union[str, Mapping[str, Any]]]) -> None:
         """The directions that blocking considers: axes ("+x"), in opposite pairs, and named ones
@@ -257,12 +253,21 @@ class Problem:
         self._changing().setdefault("base", []).extend(parts)
 
     def aim(
-        self, *, free: Optional[Iterable[str]] = None, removed: Optional[Iterable[str]] = None, stop: Optional[str] = None
+        self,
+        *,
+        free: Optional[Union[str, Iterable[str]]] = None,
+        removed: Optional[Union[str, Iterable[str]]] = None,
+        stop: Optional[str] = None,
     ) -> None:
         """The goal of a disassembly, instead of everything: ``free`` parts have no connection left and
         ``removed`` connections are gone. ``stop`` is "reached", or "best": the plan may go on for profit."""
         goal: dict[str, Any] = {}
-        _put(goal, free=_listed(free), removed=_listed(removed), stop=stop)
+        _put(
+            goal,
+            free=None if free is None else _ids(free),
+            removed=None if removed is None else _ids(removed),
+            stop=stop,
+        )
         self._changing()["goal"] = goal
 
     def fleet(
@@ -537,6 +542,10 @@ def load(source: ProblemLike) -> Problem:
 
 def _put(entry: dict[str, Any], **values: Any) -> None:
     entry.update({key: value for key, value in values.items() if value is not None})
+
+
+def _ids(ids: Union[str, Iterable[str]]) -> list[str]:
+    return [ids] if isinstance(ids, str) else list(ids)
 
 
 def _listed(values: Optional[Iterable[Any]]) -> Optional[list[Any]]:

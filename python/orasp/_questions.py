@@ -18,6 +18,7 @@ from orasp._solve import (
     PlanLike,
     ProgressCallback,
     Result,
+    Stopper,
     methods,
     plan_text,
     run_of,
@@ -108,7 +109,8 @@ class Explanation:
 class ConnectionExplanation:
     """Why a connection cannot be handled, and what would have to change: a dict for each reason, with the
     keys of ``orasp explain --connection --json``. ``later`` is "legal" (after the steps of ``after``),
-    "never" or "unknown"; ``plan_exists`` is known where the connection is legal."""
+    "never" or "unknown"; ``plan_exists`` is known where the connection is legal; ``step`` is that at which it
+    was asked for, from 1."""
 
     connection: str
     legal: bool
@@ -118,6 +120,25 @@ class ConnectionExplanation:
     later: str
     after: tuple[str, ...]
     fewest: bool
+    step: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``orasp explain --connection --json`` prints it."""
+        found: dict[str, Any] = {
+            "status": "legal" if self.legal else "illegal",
+            "conflict": [item._asdict() for item in self.conflict],
+            "connection": self.connection,
+            "step": self.step,
+        }
+        if self.legal:
+            return found | {"plan_exists": self.plan_exists}
+        legal_later = {"legal": True, "never": False}.get(self.later)
+        found |= {
+            "changes": list(self.changes),
+            "legal_later": legal_later,
+            "legal_after": list(self.after) if legal_later else None,
+        }
+        return found | {"fewest": self.fewest} if legal_later else found
 
 
 def explain(
@@ -127,7 +148,7 @@ def explain(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> Explanation:
     """Says why there is no plan: a smallest set of constraints that conflict.
@@ -152,7 +173,7 @@ def explain_connection(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> ConnectionExplanation:
     """Says why a connection cannot be handled next, after the connections ``done``, and what would have to
@@ -175,6 +196,7 @@ def explain_connection(
         later,
         tuple(after),
         fewest,
+        len(done) + 1,
     )
 
 
@@ -234,7 +256,7 @@ def sample(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> Sample:
     """Draws ``n`` random legal sequences, every legal action of a state as likely as any other.
@@ -303,7 +325,7 @@ def simulate(
     time_limit: Optional[float] = None,
     memory_limit: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> Simulation:
     """Executes a plan or a policy ``n`` times with random failures.
@@ -373,6 +395,24 @@ class Comparison:
     def seconds(self) -> float:
         return 0.0 if self.result is None else self.result.seconds
 
+    def to_dict(self) -> dict[str, Any]:
+        """A row as ``orasp compare --json`` prints it."""
+        names = ("states", "actions", "expanded", "generated", "pruned")
+        counts = {name: 0 if self.result is None else self.result.statistics[name] for name in names}
+        row: dict[str, Any] = {
+            "problem": self.problem,
+            "method": self.method,
+            "status": self.status,
+            "reward": self.reward,
+            "bound": self.bound,
+            "seconds": self.seconds,
+            **counts,
+            "message": self.message,
+        }
+        if self.result is not None and self.result.makespan is not None:
+            row |= {"makespan": self.result.makespan, "travel": self.result.travel}
+        return row
+
 
 def _methods_for(problem: Problem) -> list[Method]:
     """Those that are compared where none are named: every one that proves something, or all for fleets."""
@@ -393,7 +433,7 @@ def compare(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> list[Comparison]:
     """Runs several methods on several problems, one after the other, each within the limits.

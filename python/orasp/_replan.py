@@ -9,7 +9,7 @@ from orasp import _orasp
 from orasp._content import json_text, real, whole
 from orasp._problem import ProblemLike, load
 from orasp._questions import Conflict
-from orasp._solve import PlanLike, ProgressCallback, Result, changes_in_settings, plan_text, run_of
+from orasp._solve import PlanLike, ProgressCallback, Result, Stopper, changes_in_settings, plan_text, run_of
 
 
 class Changes(NamedTuple):
@@ -60,7 +60,7 @@ def replan(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> Replanned:
     """Finds the best plan from where the work stands, with what has changed since.
@@ -200,7 +200,7 @@ class Replanner:
         time_limit: Optional[float] = None,
         memory_limit: Optional[int] = None,
         progress: Optional[ProgressCallback] = None,
-        stop: Optional[Any] = None,
+        stop: Optional[Stopper] = None,
     ) -> Result:
         """The best plan from here: the steps still to come, and what they earn."""
         outcome = self._engine.plan(run_of(time_limit, memory_limit, None, progress, stop))

@@ -13,7 +13,7 @@ from orasp import _orasp
 from orasp._content import whole
 from orasp._problem import Problem, ProblemLike, load, warn
 from orasp._questions import Sample, explain, sample
-from orasp._solve import PlanLike, ProgressCallback, Result, plan_text, run_of, solve
+from orasp._solve import PlanLike, ProgressCallback, Result, Stopper, plan_text, run_of, solve
 
 
 class Report:
@@ -53,7 +53,7 @@ def report(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     **changes: Any,
 ) -> Report:
     """A page about a problem and its plans; without a plan it is solved first.

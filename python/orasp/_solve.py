@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Protocol, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -41,12 +41,12 @@ class Progress(NamedTuple):
 ProgressCallback = Callable[[Progress], object]
 
 
-class Stopper:
+class Stopper(Protocol):
     """What ``stop=`` takes: anything with ``is_set()``, such as ``threading.Event``. Once that is true the
     work ends as after Ctrl-C."""
 
     def is_set(self) -> bool:
-        raise NotImplementedError
+        """Whether to stop."""
 
 
 def run_of(
@@ -54,7 +54,7 @@ def run_of(
     memory_limit: Optional[int],
     threads: Optional[int],
     progress: Optional[ProgressCallback],
-    stop: Optional[Any],
+    stop: Optional[Stopper],
 ) -> _orasp.Run:
     tell = None
     if progress is not None:
@@ -456,7 +456,7 @@ def solve(
     memory_limit: Optional[int] = None,
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
-    stop: Optional[Any] = None,
+    stop: Optional[Stopper] = None,
     policy: Optional[Union[Policy, str, os.PathLike[str]]] = None,
     **options: OptionValue,
 ) -> Result:

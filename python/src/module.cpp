@@ -23,5 +23,6 @@ PYBIND11_MODULE(_orasp, module) {
   python::bind_learning(module);
   python::bind_environment(module);
   python::bind_models(module);
+  python::bind_formats(module);
   python::bind_pictures(module);
 }

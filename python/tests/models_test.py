@@ -74,7 +74,7 @@ class Pages(unittest.TestCase):
         self.assertIsNone(orasp.solve("fleet-lattice")._repr_svg_())
         with tempfile.TemporaryDirectory() as folder:
             names = [name for name, _ in orasp.figures("4piece", folder, plan=orasp.solve("4piece"))]
-            self.assertEqual(names, ["structure.svg", "steps.svg", "growth.svg", "state-graph.svg", "tree.svg"])
+            self.assertEqual(names, ["structure.svg", "steps.svg", "state-graph.svg", "tree.svg", "growth.svg"])
             self.assertEqual(sorted(path.name for path in Path(folder).iterdir()), sorted(names))
 
     def test_integer_programs(self):

@@ -83,8 +83,13 @@ class Building(unittest.TestCase):
         other["note"] = object()
         with self.assertRaisesRegex(orasp.InputError, "object is nothing that a problem can hold"):
             other.check()
-        with self.assertRaisesRegex(orasp.InputError, "not one text"):
-            shelf().require("left-board", after="right-board")
+
+    def test_one_id_needs_no_list(self):
+        one, several = shelf(), shelf()
+        one.require("left-board", after="right-board"), several.require("left-board", after=["right-board"])
+        one.block("left", "right", "+x"), several.block("left", "right", ["+x"])
+        one.aim(free="left"), several.aim(free=["left"])
+        self.assertEqual(one, several)
 
     def test_fleets(self):
         problem = orasp.Problem("pair", objective="makespan")
@@ -132,6 +137,12 @@ class Sources(unittest.TestCase):
     def test_warns(self):
         with self.assertWarnsRegex(orasp.OraspWarning, "joins part .* to itself"):
             orasp.load("jwst")
+
+
+    def test_a_byte_order_mark_is_passed_over(self):
+        problem = orasp.Problem.from_json("\ufeff" + shelf().to_json())
+        problem.name = "Shelf"
+        self.assertEqual(problem, shelf())
 
 
 class Values(unittest.TestCase):
