@@ -535,7 +535,7 @@ TEST(Uncertain, WhatIsLeftOfAJobWithRetriesIsPlannedToo) {
   Situation now = Situation::whole(3);
   now.inaccessible.insert(1);
   const Result best = solve(Task(problem, now), "value-iteration");
-  const Result result = solve(Task(problem, now), "a-star");
+  const Result result = solve(Task(problem, now), "dijkstra");
   EXPECT_EQ(status_name(result.status), "optimal");
   EXPECT_NEAR(result.reward, best.reward, 1e-12);
   ASSERT_EQ(result.expectation->policy.size(), 2U);
