@@ -48,23 +48,25 @@ class Interrupts {
   void enter() {
     const std::scoped_lock lock(mutex_);
     if (working_++ > 0) return;
-    struct sigaction now {};
-    if (sigaction(SIGINT, nullptr, &now) != 0) return;
+    known_ = sigaction(SIGINT, nullptr, &original_) == 0 && (original_.sa_flags & SA_SIGINFO) == 0;
+    ours_ = original_;
     // Where SIGINT is ignored or kills the process there is no handler to go before.
-    if ((now.sa_flags & SA_SIGINFO) != 0 || now.sa_handler == SIG_DFL || now.sa_handler == SIG_IGN)
-      return;
-    before_ = now.sa_handler;
-    now.sa_handler = &Interrupts::count;
-    installed_ = sigaction(SIGINT, &now, nullptr) == 0;
+    if (!known_ || original_.sa_handler == SIG_DFL || original_.sa_handler == SIG_IGN) return;
+    before_ = original_.sa_handler;
+    ours_.sa_handler = &Interrupts::count;
+    sigaction(SIGINT, &ours_, nullptr);
+  }
+  /// A library that works for the library (CBC) may have taken SIGINT: takes it back.
+  void keep() {
+    const std::scoped_lock lock(mutex_);
+    if (known_ && taken()) sigaction(SIGINT, &ours_, nullptr);
   }
   void leave() {
     const std::scoped_lock lock(mutex_);
-    if (--working_ > 0 || !installed_) return;
-    installed_ = false;
+    if (--working_ > 0 || !known_) return;
     struct sigaction now {};
-    if (sigaction(SIGINT, nullptr, &now) != 0 || now.sa_handler != &Interrupts::count) return;
-    now.sa_handler = before_;
-    sigaction(SIGINT, &now, nullptr);
+    if (sigaction(SIGINT, nullptr, &now) != 0) return;
+    if (now.sa_handler == &Interrupts::count || taken()) sigaction(SIGINT, &original_, nullptr);
   }
   [[nodiscard]] static int counted() { return counted_; }
 
@@ -73,13 +75,23 @@ class Interrupts {
     ++counted_;
     if (before_ != nullptr) before_(signal);
   }
+  /// Whether SIGINT has a handler that is neither ours nor Python's, whose are all the same.
+  [[nodiscard]] bool taken() const {
+    struct sigaction now {};
+    if (sigaction(SIGINT, nullptr, &now) != 0 || now.sa_handler == SIG_DFL ||
+        now.sa_handler == SIG_IGN)
+      return false;
+    return now.sa_handler != &Interrupts::count && now.sa_handler != original_.sa_handler;
+  }
   using Handler = void (*)(int);
   static inline std::atomic<int> counted_ = 0;
   static inline std::atomic<Handler> before_ = nullptr;
   static_assert(std::atomic<int>::is_always_lock_free && std::atomic<Handler>::is_always_lock_free);
   std::mutex mutex_;
   int working_ = 0;
-  bool installed_ = false;
+  bool known_ = false;
+  struct sigaction original_ {};
+  struct sigaction ours_ {};
 };
 
 /// The last thing that a planner told.
@@ -164,6 +176,7 @@ void run_watched(const Run& run, bool keeps_partial,
   // With the lock of the interpreter.
   const auto look = [&] {
     try {
+      Interrupts::all().keep();
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (!in_main_thread && Interrupts::counted() != counted) {
         counted = Interrupts::counted();

@@ -42,6 +42,12 @@ class Types(unittest.TestCase):
             known = {member for member in vars(getattr(module, name)) if not member.startswith("_")}
             self.assertEqual(members, known, name)
 
+    def test_the_build_knows_every_file(self):
+        """Files are named in CMakeLists.txt one by one: looking for them would make every build begin with a look."""
+        listed = (FOLDER / "CMakeLists.txt").read_text(encoding="utf-8")
+        for path in [*(FOLDER / "orasp").glob("*.py*"), *(FOLDER / "src").glob("*.cpp")]:
+            self.assertIn(f"{path.parent.name}/{path.name}\n" if path.suffix == ".cpp" else f"  {path.name}\n", listed)
+
     def test_what_is_public_is_documented(self):
         for name in orasp.__all__:
             thing = getattr(orasp, name)

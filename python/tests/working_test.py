@@ -47,6 +47,20 @@ class Stopping(unittest.TestCase):
             orasp.graph("hubble-free", objective=orasp.Reward(slow, vectorized=True), time_limit=30)
         timer.join()
 
+    def test_ctrl_c_stops_integer_programs(self):
+        """CBC takes SIGINT for itself; it is taken back, also for the time after."""
+        if orasp.obstacle("table-hemnes", "mip") is not None:
+            self.skipTest("CBC is not there")
+        timer = interrupt_after(1.0)
+        began = time.perf_counter()
+        result = orasp.solve("table-hemnes", "mip", time_limit=30)
+        timer.join()
+        self.assertEqual(result.stopped, "interrupted")
+        self.assertLess(time.perf_counter() - began, 10)
+        with self.assertRaises(KeyboardInterrupt):
+            interrupt_after(0.1)
+            time.sleep(5)
+
     def test_ctrl_c_does_not_wait_for_a_slow_reward(self):
         """H is built thousands of states at a time, which a function of one step makes a matter of seconds."""
         def dawdle(step):
