@@ -131,13 +131,6 @@ Objective Objective::named(std::string_view type) {
   return {std::string(type), row->kind().defaults()};
 }
 
-const std::string& Objective::stated_type() const {
-  const auto* const retried = std::get_if<Retried>(&parameters);
-  return retried == nullptr || retried->objective.empty()
-             ? type
-             : retried->objective.front().objective.stated_type();
-}
-
 bool Objective::of_fleet() const {
   const ObjectiveRow* const row = objective_row(type);
   return row != nullptr && row->of_fleet;

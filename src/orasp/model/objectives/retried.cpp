@@ -127,6 +127,14 @@ const ObjectiveKind& retried_kind() {
   return kind;
 }
 
+// Declared with Objective, and here since no other file asks which parameters an objective has.
+const std::string& Objective::stated_type() const {
+  const auto* const retried = std::get_if<Retried>(&parameters);
+  return retried == nullptr || retried->objective.empty()
+             ? type
+             : retried->objective.front().objective.stated_type();
+}
+
 Problem attempts_paid(const Problem& problem) {
   ProblemSpec spec = problem.spec();
   Retried retried;
