@@ -181,26 +181,6 @@ std::string waiting_text(const Task& task, const std::optional<Waiting>& lost,
   return text;
 }
 
-/// Where a goal cannot be reached any more: of what it asks for, connections that can still be
-/// taken off together, as many as are found when they are added one by one.
-std::vector<ConnectionIndex> still_reachable(const Problem& problem, const Situation& now,
-                                             const Budget& budget) {
-  std::vector<ConnectionIndex> reachable;
-  ProblemSpec spec = problem.spec();
-  spec.goal = Goal{};
-  for (const ConnectionIndex c : problem.goal()) {
-    if (!now.open.contains(c) || now.inaccessible.contains(c)) continue;
-    spec.goal->removed.push_back(problem.connection_id(c));
-    const Problem part(spec);
-    if (solve(Task(part, now), "greedy", {}, budget).has_plan()) {
-      reachable.push_back(c);
-    } else {
-      spec.goal->removed.pop_back();
-    }
-  }
-  return reachable;
-}
-
 Settings settings_of(const ReplanOptions& options) {
   Settings settings;
   const auto note = [&](const char* name, const std::string& ids) {

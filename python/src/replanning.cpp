@@ -68,26 +68,6 @@ std::vector<PlanStep> old_steps(const Problem& problem, const std::string& text)
   return steps;
 }
 
-/// Where a goal cannot be reached any more: of what it asks for, connections that can still be
-/// taken off together, as many as are found when they are added one by one.
-std::vector<ConnectionIndex> still_reachable(const Problem& problem, const Situation& now,
-                                             const Budget& budget) {
-  std::vector<ConnectionIndex> reachable;
-  ProblemSpec spec = problem.spec();
-  spec.goal = Goal{};
-  for (const ConnectionIndex c : problem.goal()) {
-    if (!now.open.contains(c) || now.inaccessible.contains(c)) continue;
-    spec.goal->removed.push_back(problem.connection_id(c));
-    const Problem part(spec);
-    if (solve(Task(part, now), "greedy", {}, budget).has_plan()) {
-      reachable.push_back(c);
-    } else {
-      spec.goal->removed.pop_back();
-    }
-  }
-  return reachable;
-}
-
 /// What is known beside the plan.
 struct Replanned {
   std::unique_ptr<Outcome> outcome;

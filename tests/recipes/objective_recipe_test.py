@@ -105,7 +105,7 @@ TABLE = "src/orasp/model/objectives/objective_table.h"
 CHANGES = [
     ("src/orasp/CMakeLists.txt", "    model/objectives/piece_cost\n", "    model/objectives/moved_squared\n"),
     (TABLE, '#include "orasp/model/objectives/piece_cost.h"\n', '#include "orasp/model/objectives/moved_squared.h"\n'),
-    (TABLE, "Expression, Callable,", "MovedSquared, "),
+    (TABLE, "Changeover, Route, Expression,", "MovedSquared, "),
     (TABLE, '    {.type = "expression",', '    {.type = "moved_squared", .kind = moved_squared_kind},\n'),
     ("tests/oracle.cpp", '  if (objective.type == "completion") {\n',
      '  if (objective.type == "moved_squared") {\n'

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orasp/model/validate.h"
+#include "orasp/planners/greedy.h"
 
 namespace orasp {
 namespace {
@@ -81,6 +82,25 @@ PlanChanges changes_between(const Problem& problem, const Situation& now,
     if (result.has_plan()) changes.price = before.reward - result.reward;
   }
   return changes;
+}
+
+std::vector<ConnectionIndex> still_reachable(const Problem& problem, const Situation& now,
+                                             const Budget& budget) {
+  std::vector<ConnectionIndex> reachable;
+  ProblemSpec spec = problem.spec();
+  spec.goal = Goal{};
+  for (const ConnectionIndex c : problem.goal()) {
+    if (!now.open.contains(c) || now.inaccessible.contains(c)) continue;
+    spec.goal->removed.push_back(problem.connection_id(c));
+    const Problem part(spec);
+    const TransitionSystem system(part, now);
+    if (greedy(system, budget).has_plan()) {
+      reachable.push_back(c);
+    } else {
+      spec.goal->removed.pop_back();
+    }
+  }
+  return reachable;
 }
 
 }  // namespace orasp

@@ -7,6 +7,7 @@
 #include "orasp/model/problem.h"
 #include "orasp/model/situation.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
@@ -26,5 +27,12 @@ struct PlanChanges {
 /// steps count as kept as can be.
 [[nodiscard]] PlanChanges changes_between(const Problem& problem, const Situation& now,
                                           std::span<const PlanStep> old, const Result& result);
+
+/// Where a goal cannot be reached any more: of what it asks for, connections that can still be
+/// taken off together, as many as are found when they are added one by one; fewer, where the budget
+/// ends. A greedy plan for each of them.
+[[nodiscard]] std::vector<ConnectionIndex> still_reachable(const Problem& problem,
+                                                           const Situation& now,
+                                                           const Budget& budget);
 
 }  // namespace orasp
