@@ -25,7 +25,7 @@ from orasp._formats import Format, format_text, formats, read_format, write_form
 from orasp._graph import Graph, GraphEstimate, GraphSize, estimate_graph, graph
 from orasp._learning import Policy, Training, learning_available, train, training_options
 from orasp._models import ImportedModel, import_model
-from orasp._orasp import InputError
+from orasp._orasp import InputError, __version__
 from orasp._problem import OraspWarning, Problem, ProblemLike, Scenario, load, scenarios
 from orasp._questions import (
     Comparison,
@@ -140,4 +140,5 @@ __all__ = [
     "tree_svg",
     "write_format",
     "write_model",
+    "__version__",
 ]

@@ -7,6 +7,7 @@ namespace py = pybind11;
 PYBIND11_MODULE(_orasp, module) {
   namespace python = orasp::python;
   module.doc() = "The engine behind the package orasp.";
+  module.attr("__version__") = ORASP_VERSION;
   auto& input_error =
       py::register_exception<orasp::InputError>(module, "InputError", PyExc_ValueError);
   input_error.attr("__module__") = "orasp";

@@ -105,6 +105,12 @@ class Building(unittest.TestCase):
                          ["fleet: its 2 robots are not used: cubesat is an objective of one robot"])
 
 
+class Version(unittest.TestCase):
+    def test_is_that_of_the_project(self):
+        project = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+        self.assertIn(f"project(orasp VERSION {orasp.__version__} ", project)
+
+
 class Sources(unittest.TestCase):
     def test_files_names_dicts_and_texts(self):
         problem = shelf()
