@@ -114,11 +114,7 @@ int run(const EvaluateOptions& options, const Context& context) {
   const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
 
-  const bool by_part = problem.spec().action == StepKind::Part;
-  const Evaluation evaluation = by_part
-                                    ? evaluate(TransitionSystem(problem),
-                                               std::span<const PlanStep>(plan_steps(problem, plan)))
-                                    : evaluate(problem, plan.sequence, plan.directions);
+  const Evaluation evaluation = replayed(problem, plan);
   print_result(context, options.output, options.json, as_json(evaluation),
                [&] { return summary(problem, evaluation, options, context); });
   return evaluation.valid ? kSolved : kNoPlan;

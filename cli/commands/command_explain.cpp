@@ -18,6 +18,7 @@
 #include "cli/output/text.h"
 #include "orasp/explain/explain_connection.h"
 #include "orasp/explain/explain_problem.h"
+#include "orasp/io/explanation_json.h"
 
 namespace orasp::cli {
 namespace {
@@ -145,39 +146,6 @@ ConnectionSet state_in_plan(const Problem& problem, const ExplainOptions& option
   return open;
 }
 
-ordered_json changes_json(const Problem& problem, const ConnectionExplanation& found) {
-  ordered_json changes = ordered_json::array();
-  const auto parts = [&](const std::vector<PartIndex>& indices) {
-    ordered_json ids = ordered_json::array();
-    for (const PartIndex part : indices) ids.push_back(problem.part_id(part));
-    return ids;
-  };
-  for (const Remedy& remedy : found.remedies) {
-    ordered_json change = {{"constraint", constraint_name(remedy.constraint)},
-                           {"where", remedy.where},
-                           {"message", remedy.message}};
-    if (!remedy.first.empty()) change["first"] = connection_ids(problem, remedy.first);
-    if (remedy.least) {
-      const bool is_mass = remedy.constraint == Constraint::MaxMovedMass;
-      change["least"] = is_mass ? ordered_json(*remedy.least)
-                                : ordered_json(static_cast<std::uint64_t>(*remedy.least));
-    }
-    for (const BlockedDirection& direction : remedy.directions) {
-      ordered_json entries = ordered_json::array();
-      for (const std::size_t entry : direction.entries)
-        entries.push_back(fmt::format("blocking.blocked[{}]", entry));
-      ordered_json along = {{"direction", direction.direction},
-                            {"parts", parts(direction.moved)},
-                            {"in_the_way", parts(direction.in_the_way)},
-                            {"entries", std::move(entries)}};
-      if (direction.width) along["width"] = *direction.width;
-      change["directions"].push_back(std::move(along));
-    }
-    changes.push_back(std::move(change));
-  }
-  return changes;
-}
-
 ordered_json connection_json(const Problem& problem, const std::string& id, std::uint64_t step,
                              const ConnectionExplanation& found) {
   ordered_json document = {{"status", found.legal ? "legal" : "illegal"},
@@ -189,7 +157,7 @@ ordered_json connection_json(const Problem& problem, const std::string& id, std:
         found.plan_exists ? ordered_json(*found.plan_exists) : ordered_json(nullptr);
     return document;
   }
-  document["changes"] = changes_json(problem, found);
+  document["changes"] = ordered_json::parse(changes_text(problem, found));
   const bool later = found.later == ConnectionExplanation::Later::Legal;
   document["legal_later"] = found.later == ConnectionExplanation::Later::Unknown
                                 ? ordered_json(nullptr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Optional, Union
@@ -184,14 +185,14 @@ def explain_connection(
     False
     """
     given = load(problem).edited(**changes)
-    legal, conflict, remedies, plan_exists, later, after, fewest = _orasp.explain_connection(
+    legal, conflict, changes_text, plan_exists, later, after, fewest = _orasp.explain_connection(
         given._engine(), connection, list(done), run_of(time_limit, memory_limit, threads, progress, stop)
     )
     return ConnectionExplanation(
         connection,
         legal,
         tuple(Conflict(*item) for item in conflict),
-        tuple(remedies),
+        tuple(json.loads(changes_text)),
         plan_exists,
         later,
         tuple(after),

@@ -18,6 +18,7 @@
 #include "orasp/explain/explain_problem.h"
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/graph/uncertain_graph.h"
+#include "orasp/io/explanation_json.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
@@ -96,10 +97,7 @@ Verdict verdict_of(const Problem& problem, const std::string& text) {
   }
   if (of_fleet) return verdict_of_fleet(problem, text);
   const PlanFile plan = parse_plan(text, problem.direction());
-  const Evaluation found = problem.spec().action == StepKind::Part
-                               ? evaluate(TransitionSystem(problem),
-                                          std::span<const PlanStep>(plan_steps(problem, plan)))
-                               : evaluate(problem, plan.sequence, plan.directions);
+  const Evaluation found = replayed(problem, plan);
   Verdict verdict{.valid = found.valid,
                   .reward = found.reward,
                   .steps = found.steps.size(),
@@ -165,43 +163,12 @@ py::tuple explain_one(const ProblemPointer& problem, const std::string& id,
   run_watched(run, true, [&](const Budget& budget) {
     found = explain_connection(*problem, open, connection, budget);
   });
-  const auto part_ids = [&](const std::vector<PartIndex>& parts) {
-    py::list ids;
-    for (const PartIndex part : parts) ids.append(problem->part_id(part));
-    return ids;
-  };
-  py::list remedies;
-  for (const Remedy& remedy : found.remedies) {
-    py::dict change;
-    change["constraint"] = constraint_name(remedy.constraint);
-    change["where"] = remedy.where;
-    change["message"] = remedy.message;
-    if (!remedy.first.empty()) change["first"] = ids_of(*problem, remedy.first);
-    if (remedy.least) {
-      change["least"] = remedy.constraint == Constraint::MaxMovedMass
-                            ? py::object(py::float_(*remedy.least))
-                            : py::object(py::int_(static_cast<std::uint64_t>(*remedy.least)));
-    }
-    py::list directions;
-    for (const BlockedDirection& direction : remedy.directions) {
-      py::list entries;
-      for (const std::size_t entry : direction.entries)
-        entries.append(fmt::format("blocking.blocked[{}]", entry));
-      py::dict blocked;
-      blocked["direction"] = direction.direction;
-      blocked["parts"] = part_ids(direction.moved);
-      blocked["in_the_way"] = part_ids(direction.in_the_way);
-      blocked["entries"] = std::move(entries);
-      directions.append(std::move(blocked));
-    }
-    if (!remedy.directions.empty()) change["directions"] = std::move(directions);
-    remedies.append(std::move(change));
-  }
   const char* const later = found.later == ConnectionExplanation::Later::Legal   ? "legal"
                             : found.later == ConnectionExplanation::Later::Never ? "never"
                                                                                  : "unknown";
-  return py::make_tuple(found.legal, items_as_tuples(found.violations), std::move(remedies),
-                        found.plan_exists, later, ids_of(*problem, found.after), found.fewest);
+  return py::make_tuple(found.legal, items_as_tuples(found.violations),
+                        changes_text(*problem, found), found.plan_exists, later,
+                        ids_of(*problem, found.after), found.fewest);
 }
 
 /// What is known of numbers: mean, deviation, least, the percentiles 5, 25, 50, 75 and 95,

@@ -190,6 +190,15 @@ class Agreement(unittest.TestCase):
             self.assertEqual(orasp.explain_connection("hubble", connection).to_dict(),
                              program_answer("explain", "hubble", "--connection", connection, "--json"))
 
+    def test_explain_with_the_widths_of_an_import(self):
+        product = {"format": "orasp-problem/1", "parts": [{"id": "box"}, {"id": "lid"}],
+                   "connections": [{"parts": ["box", "lid"]}],
+                   "blocking": {"directions": ["+x", "-x"], "x-tolerance": 0.0001,
+                                "blocked": [{"part": "lid", "by": "box", "directions": ["+x", "-x"], "x-width": [0.012, 0.00025]}]}}
+        found = orasp.explain_connection(product, "box-lid").to_dict()
+        self.assertEqual(found, program_answer("explain", "-", "--connection", "box-lid", "--json", stdin=json.dumps(product)))
+        self.assertEqual(sorted(along["width"] for along in found["changes"][0]["directions"]), [0.00025, 0.012])
+
     def test_simulate(self):
         uncertain = {"format": "orasp-problem/1", "parts": [{"id": "a"}, {"id": "b"}, {"id": "c"}],
                      "connections": [{"parts": ["a", "b"], "success": 0.5}, {"parts": ["b", "c"], "success": 0.9}],

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "orasp/fleet/fleet_validate.h"
 #include "orasp/model/detail/wording.h"
@@ -69,13 +70,12 @@ std::optional<std::string> wrong_kind(const Planner& planner, const Request& req
 
 /// Where failures change nothing, and the method does not look at them itself: the problem in which
 /// every attempt succeeds and costs what the attempts cost together.
-std::optional<Problem> without_failures(const Planner& planner, const Task& task) {
-  const Problem& problem = task.problem;
+std::optional<Problem> without_failures(const Planner& planner, const Request& request) {
   const bool sees_failures = planner.uncertain && planner.role != Role::Chooser;
-  if (!problem.only_retries() || sees_failures || problem.objective().of_fleet())
+  if (request.system == nullptr || request.system->wide() || sees_failures ||
+      !request.task.problem.only_retries())
     return std::nullopt;
-  if (TransitionSystem(problem, task.situation).wide()) return std::nullopt;
-  return attempts_paid(problem);
+  return attempts_paid(request.task.problem);
 }
 
 /// The task with another problem over the same connections, which must outlive it.
@@ -139,7 +139,7 @@ std::string refusal(const Planner& planner, const std::string& reason, const Req
 }
 
 /// @returns what the check found.
-PlanCheck require_honest_plan(const Task& task, const Result& result) {
+PlanCheck checked_plan(const Task& task, const Result& result) {
   PlanCheck check = result.steps.empty() ? check_plan(task.problem, task.situation, result.sequence)
                                          : check_plan(task.problem, task.situation, result.steps);
   if (!check.legal) dishonest(result, "breaks a rule: " + check.fault);
@@ -168,6 +168,39 @@ void require_honest_fleet_plan(const Task& task, const Result& result) {
                           std::to_string(result.reward) + " that it claims");
 }
 
+/// The check of solve(). @returns what was found of a plan of one robot, else nothing.
+PlanCheck checked(const Task& task, const Result& result) {
+  if (!result.has_plan()) return {};
+  if (!task.problem.objective().of_fleet()) return checked_plan(task, result);
+  require_honest_fleet_plan(task, result);
+  return {};
+}
+
+/// A method's answer, and what the check found of its plan.
+struct Answer {
+  Result result;
+  PlanCheck check;
+};
+
+Answer answered(const Planner& planner, const Request& request) {
+  if (const auto reason = wrong_kind(planner, request))
+    throw InputError(refusal(planner, *reason, request));
+  Result result;
+  // A method's own obstacle is not asked first: to find one may cost as much as to begin the work,
+  // and a method that meets one throws the same reason as a Refusal.
+  try {
+    result = planner.run(request);
+  } catch (const Refusal& refused) {
+    throw InputError(refusal(planner, refused.reason(), request));
+  }
+  result.seed = request.options.seed;
+  // A plan that earns all that is proved possible is optimal, however the method came to its end.
+  if (result.status == Status::Feasible && !result.expectation)
+    detail::judge_by(result.bound, result);
+  PlanCheck check = checked(request.task, result);
+  return {std::move(result), std::move(check)};
+}
+
 }  // namespace
 
 std::vector<const Planner*> one_robot_planners() {
@@ -191,10 +224,10 @@ const Planner& find_planner(std::string_view name) {
 std::optional<std::string> obstacle(const Task& task, std::string_view method,
                                     const Options& options, const Budget& budget) {
   const Planner& planner = find_planner(method);
-  if (const auto certain = without_failures(planner, task))
-    return obstacle(same_task(*certain, task), method, options, budget);
   const Derived derived(task);
   const Request request = derived.request(task, options, budget);
+  if (const auto certain = without_failures(planner, request))
+    return obstacle(same_task(*certain, task), method, options, budget);
   const auto reason = reason_against(planner, request);
   return reason ? std::optional(refusal(planner, *reason, request)) : std::nullopt;
 }
@@ -202,31 +235,16 @@ std::optional<std::string> obstacle(const Task& task, std::string_view method,
 Result solve(const Task& task, std::string_view method, const Options& options,
              const Budget& budget) {
   const Planner& planner = find_planner(method);
-  if (const auto certain = without_failures(planner, task)) {
-    const Task sure = same_task(*certain, task);
-    Result result = solve(sure, method, options, budget);
-    if (result.has_plan())
-      result.expectation = expectation_of(task, result, require_honest_plan(sure, result).rewards);
-    return result;
-  }
   const Derived derived(task);
   const Request request = derived.request(task, options, budget);
-  if (const auto reason = wrong_kind(planner, request))
-    throw InputError(refusal(planner, *reason, request));
-  Result result;
-  // A method's own obstacle is not asked first: to find one may cost as much as to begin the work,
-  // and a method that meets one throws the same reason as a Refusal.
-  try {
-    result = planner.run(request);
-  } catch (const Refusal& refused) {
-    throw InputError(refusal(planner, refused.reason(), request));
+  if (const auto certain = without_failures(planner, request)) {
+    const Task sure = same_task(*certain, task);
+    const Derived of_sure(sure);
+    auto [result, check] = answered(planner, of_sure.request(sure, options, budget));
+    if (result.has_plan()) result.expectation = expectation_of(task, result, check.rewards);
+    return std::move(result);
   }
-  result.seed = options.seed;
-  // A plan that earns all that is proved possible is optimal, however the method came to its end.
-  if (result.status == Status::Feasible && !result.expectation)
-    detail::judge_by(result.bound, result);
-  require_honest(task, result);
-  return result;
+  return answered(planner, request).result;
 }
 
 std::optional<std::string> obstacle(const Problem& problem, std::string_view method,
@@ -240,12 +258,7 @@ Result solve(const Problem& problem, std::string_view method, const Options& opt
 }
 
 void require_honest(const Task& task, const Result& result) {
-  if (!result.has_plan()) return;
-  if (task.problem.objective().of_fleet()) {
-    require_honest_fleet_plan(task, result);
-  } else {
-    static_cast<void>(require_honest_plan(task, result));
-  }
+  static_cast<void>(checked(task, result));
 }
 
 }  // namespace orasp

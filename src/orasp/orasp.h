@@ -89,6 +89,7 @@
 #include "orasp/graph/state_graph.h"
 #include "orasp/graph/state_index.h"
 #include "orasp/graph/uncertain_graph.h"
+#include "orasp/io/explanation_json.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/formats.h"
 #include "orasp/io/import_files.h"

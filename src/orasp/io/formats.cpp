@@ -350,11 +350,4 @@ Written write_format(const Problem& problem, std::string_view format, const Plan
   return written_by(row, {.problem = problem, .plan = &evaluation});
 }
 
-Evaluation replayed(const Problem& problem, const PlanFile& plan) {
-  if (problem.spec().action == StepKind::Part)
-    return evaluate(TransitionSystem(problem),
-                    std::span<const PlanStep>(plan_steps(problem, plan)));
-  return evaluate(problem, plan.sequence, plan.directions);
-}
-
 }  // namespace orasp

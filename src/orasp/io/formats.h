@@ -63,8 +63,4 @@ struct Format {
 [[nodiscard]] Written write_format(const Problem& problem, std::string_view format,
                                    const PlanFile& plan);
 
-/// The replay of a plan of one robot. @throws InputError where its connections are not those of the
-/// problem.
-[[nodiscard]] Evaluation replayed(const Problem& problem, const PlanFile& plan);
-
 }  // namespace orasp

@@ -563,6 +563,13 @@ std::vector<PlanStep> plan_steps(const Problem& problem, const PlanFile& plan) {
   return steps;
 }
 
+Evaluation replayed(const Problem& problem, const PlanFile& plan) {
+  if (problem.spec().action == StepKind::Part)
+    return evaluate(TransitionSystem(problem),
+                    std::span<const PlanStep>(plan_steps(problem, plan)));
+  return evaluate(problem, plan.sequence, plan.directions);
+}
+
 PlanFile parse_plan(std::string_view text, Direction direction) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());

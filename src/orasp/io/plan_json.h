@@ -7,6 +7,7 @@
 
 #include "orasp/explain/alternatives.h"
 #include "orasp/model/problem.h"
+#include "orasp/model/validate.h"
 #include "orasp/task/result.h"
 #include "orasp/task/task.h"
 
@@ -42,6 +43,10 @@ struct PlanFile {
 /// What each step of a plan takes, by the numbers of connections, and the direction that it states.
 /// @throws InputError `step 3: no connection "x"; ...`.
 [[nodiscard]] std::vector<PlanStep> plan_steps(const Problem& problem, const PlanFile& plan);
+
+/// The replay of a plan of one robot by evaluate() of the model, whatever its steps take.
+/// @throws InputError where steps take several connections and some are not those of the problem.
+[[nodiscard]] Evaluation replayed(const Problem& problem, const PlanFile& plan);
 
 /// Reads a plan file, a JSON array of connection ids, or plain text with one id a line (empty lines
 /// and lines that begin with '#' are skipped). Where steps take several connections a JSON array
