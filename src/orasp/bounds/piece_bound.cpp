@@ -16,6 +16,7 @@ struct PieceBound::Scratch {
         kept(system.kept()),
         keeps(!kept.empty()),
         words(system.words()) {}
+  CutTrees trees;
   detail::AssemblyGraph graph;
   detail::Connectivity connectivity;
   std::vector<PartIndex> piece;
@@ -44,6 +45,7 @@ PieceBound::PieceBound(const TransitionSystem& system, Kind kind) : gains_(syste
   known_ = sizes_ || parts_;
   if (!known_) return;
   scratch_ = std::make_unique<Scratch>(system, parts_ || gains_.has_units());
+  scratch_->trees = gains_.trees();
   completes_first_ = system.completes_first();
   num_steps_ = system.num_steps();
   if (completes_first_ && num_steps_ > 0) look_at_first_step(system);
@@ -151,6 +153,7 @@ double PieceBound::operator()(SetView open) {
   });
   if (left == 0) return 0;
   if (completes_first_ && left == num_steps_) sum += first_extra_;
+  sum -= scratch_->trees.of(scratch_->present(open));
   if (gains_.has_units()) {
     sum += measure_units(open);
     if (completes_first_) return sum;
@@ -159,7 +162,7 @@ double PieceBound::operator()(SetView open) {
   }
   scratch_->graph.for_each_piece(open,
                                  [&](std::span<const PartIndex> piece) { sum += of_piece(piece); });
-  return sum + gains_.last_surplus();
+  return sum + gains_.surplus_of_last_pair();
 }
 
 void PieceBound::of_successors(SetView open, double here, std::span<const Action> actions,
@@ -172,8 +175,18 @@ void PieceBound::of_successors(SetView open, double here, std::span<const Action
   if (completes_first_ && left == num_steps_) here -= first_extra_;
   if (gains_.has_units()) {
     of_successors_with_units(open, here, actions, bounds);
-    return;
+  } else {
+    of_successors_by_pieces(open, here, actions, bounds);
   }
+  CutTrees& trees = scratch_->trees;
+  if (!trees.any()) return;
+  trees.measure_changes(scratch_->present(open));
+  for (std::size_t i = 0; i < actions.size(); ++i) bounds[i] -= trees.change(actions[i].connection);
+}
+
+// Of pieces that end as single parts.
+void PieceBound::of_successors_by_pieces(SetView open, double here, std::span<const Action> actions,
+                                         std::span<double> bounds) {
   detail::Connectivity& connectivity = scratch_->connectivity;
   connectivity.analyse(open, false);
   for (std::size_t i = 0; i < actions.size(); ++i) {

@@ -18,6 +18,8 @@ namespace orasp {
 ///             see PiecePrices. Other constraints only take choices away.
 /// Consistent. For every legal cut of S into A and B, g(S) >= gain + g(A) + g(B) for each of the
 ///             two bounds, and so for the smaller of the two.
+/// Connections. From both is taken what the connections at which pieces are cut cost (CutTrees),
+///             by those that are still there.
 /// Units.      Where connections are kept for ever, a piece ends as units of several parts
 ///             (PartUnits). It has that many cuts fewer, and each unit but one ends as the last of
 ///             what was moved, so it pays the price of any one of its parts. What completing adds
@@ -36,6 +38,8 @@ class PieceBound final : public Bound {
   ~PieceBound() override;
 
   [[nodiscard]] bool known() const override { return known_; }
+  /// Whether it tells connections apart (CutTrees).
+  [[nodiscard]] bool sees_connections() const { return known_ && gains_.trees().any(); }
   [[nodiscard]] double operator()(SetView open) override;
   void of_successors(SetView open, double here, std::span<const Action> actions,
                      std::span<double> bounds) override;
@@ -51,6 +55,9 @@ class PieceBound final : public Bound {
   double measure_units(SetView open);
   void of_successors_with_units(SetView open, double here, std::span<const Action> actions,
                                 std::span<double> bounds);
+
+  void of_successors_by_pieces(SetView open, double here, std::span<const Action> actions,
+                               std::span<double> bounds);
 
   PieceGains gains_;
   bool sizes_ = false;

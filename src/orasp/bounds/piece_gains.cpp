@@ -13,27 +13,42 @@ PieceGains::PieceGains(const TransitionSystem& system) {
   Expander expander(system);
   units_ = PartUnits(system);
   try {
-    const bool completes_last = !system.completes_first();
-    last_surplus_ = system.num_steps() == 0 || !completes_last ? 0 : -kInfinity;
-    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c)
       own_.push_back(expander.own_reward(c));
-      if (completes_last && system.start().contains(c))
-        last_surplus_ = std::max(last_surplus_, expander.completion_surplus(c));
-    }
     // A cut between two base parts moves nothing, however large its sides are.
     most_moved_ = problem.spec().base.size() > 1
                       ? problem.num_parts()
                       : problem.limits().max_moved_parts.value_or(problem.num_parts());
     measure_sizes(system, expander);
+    trees_ = CutTrees(system);
     prices_ =
         PiecePrices(expander, problem, units_, most_moved_,
                     [this](std::size_t moved, std::size_t kept) { return gain(moved, kept); });
+    if (!system.completes_first() && system.num_steps() > 0) measure_last_step(system, expander);
   } catch (const InputError&) {
     // The objective is a formula that has no value for some step which no plan may ever take, such
     // as 1 / moved_parts where nothing moves.
     known_ = sizes_known_ = false;
     prices_ = {};
   }
+}
+
+void PieceGains::measure_last_step(const TransitionSystem& system, Expander& expander) {
+  last_surplus_ = surplus_of_last_pair_ = -kInfinity;
+  const bool bounded = !has_units() && (sizes_known_ || parts_known());
+  for_each_connection(system.start().view(), [&](ConnectionIndex c) {
+    const auto& ends = system.problem().ends(c);
+    const double surplus = expander.completion_surplus(c);
+    double above = 0;
+    if (bounded && ends[0] != ends[1]) {
+      const std::optional<double> gain =
+          expander.cut_gain(std::span(ends).first(1), std::span(ends).last(1), c);
+      const double bound = by_sizes_and_parts(ends);
+      if (gain && std::isfinite(bound)) above = bound - trees_.cost(c) - *gain;
+    }
+    last_surplus_ = std::max(last_surplus_, surplus);
+    surplus_of_last_pair_ = std::max(surplus_of_last_pair_, surplus - above);
+  });
 }
 
 double PieceGains::gain(std::size_t moved, std::size_t kept) const {

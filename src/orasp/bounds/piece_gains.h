@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "orasp/bounds/cut_trees.h"
 #include "orasp/bounds/part_units.h"
 #include "orasp/bounds/piece_prices.h"
 #include "orasp/model/tolerance.h"
@@ -26,6 +27,7 @@ namespace orasp {
 /// and each piece of n parts is cut exactly n - 1 times, whatever becomes of the others. So a bound
 /// on what the cuts of one piece gain is all that a bound on a plan needs. This class has several:
 /// by the sizes of the pieces, by what is moved (PiecePrices), and by how a piece hangs together.
+/// From each of them what the connections themselves cost (CutTrees) may be subtracted.
 class PieceGains {
  public:
   static constexpr std::size_t kMostParts = 4096;
@@ -39,6 +41,9 @@ class PieceGains {
   [[nodiscard]] double own(ConnectionIndex connection) const { return own_[connection]; }
   /// The most that completing adds to the last step; 0 where it is the first that completes.
   [[nodiscard]] double last_surplus() const { return last_surplus_; }
+  /// The most that the last step earns above what the bounds of its connection and its two parts
+  /// are. It is less than last_surplus() where those are above what their cut would gain.
+  [[nodiscard]] double surplus_of_last_pair() const { return surplus_of_last_pair_; }
   /// Whether every size has a finite bound. It has none where a limit forbids every cut of a piece
   /// of that size; such problems are left to the searches.
   [[nodiscard]] bool sizes_known() const { return sizes_known_; }
@@ -99,9 +104,17 @@ class PieceGains {
   [[nodiscard]] double by_parts(std::span<const PartIndex> piece) const {
     return prices_.bound(piece, units_);
   }
+  /// What the connections at which pieces are cut cost beyond these bounds. Each thread needs a
+  /// copy of its own.
+  [[nodiscard]] const CutTrees& trees() const { return trees_; }
 
  private:
   static constexpr std::size_t kMostPartsWithArms = 512;
+  [[nodiscard]] double by_sizes_and_parts(std::span<const PartIndex> piece) const {
+    const double bound = sizes_known_ ? by_size_[piece.size()] : kInfinity;
+    return parts_known() ? std::min(bound, by_parts(piece)) : bound;
+  }
+  void measure_last_step(const TransitionSystem& system, Expander& expander);
   void measure_surpluses(const TransitionSystem& system, Expander& expander);
   void measure_sizes(const TransitionSystem& system, Expander& expander);
   void measure_sizes_with_excess();
@@ -110,10 +123,12 @@ class PieceGains {
   bool known_ = false;
   bool sizes_known_ = false;
   double last_surplus_ = 0;
+  double surplus_of_last_pair_ = 0;
   std::size_t most_moved_ = 0;
   std::vector<double> own_;
   PartUnits units_;
   PiecePrices prices_;
+  CutTrees trees_;
   /// gain(moved, kept) for moved <= kept: row moved + kept of a triangle, then by `moved`.
   std::vector<double> gains_;
   /// g, by parts.

@@ -58,12 +58,16 @@ struct MovedSet {
   double worth;
 };
 
-/// Works out what the cuts of pieces of two and three parts gain exactly. A cut that blocking
-/// forbids is counted all the same: so the bound stays finite, and the searches find the dead end.
+/// Works out what the cuts of pieces of two and three parts gain exactly, above what the connections
+/// cost (CutTrees). A cut that blocking forbids is counted all the same: so the bound stays finite,
+/// and the searches find the dead end.
 class SmallPieceValues {
  public:
   SmallPieceValues(Expander& expander, const Problem& problem, const detail::AssemblyGraph& graph)
-      : expander_(expander), problem_(problem), graph_(graph) {}
+      : expander_(expander),
+        problem_(problem),
+        graph_(graph),
+        costs_(expander.least_extra_costs()) {}
 
   [[nodiscard]] double of(std::span<const PartIndex> piece) {
     return piece.size() == 2 ? of_pair(piece[0], piece[1]) : of_triple(piece);
@@ -82,7 +86,8 @@ class SmallPieceValues {
       const bool u_is_a = problem_.ends(half.connection)[0] == u;
       const auto gain = u_is_a ? expander_.cut_gain({&u, 1}, {&v, 1}, half.connection)
                                : expander_.cut_gain({&v, 1}, {&u, 1}, half.connection);
-      best = std::max(best, gain ? *gain : std::max(gain_of_moving(u), gain_of_moving(v)));
+      best = std::max(best, gain ? *gain + costs_[half.connection]
+                                 : std::max(gain_of_moving(u), gain_of_moving(v)));
     }
     return best;
   }
@@ -101,7 +106,8 @@ class SmallPieceValues {
         const bool alone_is_a = problem_.ends(half.connection)[0] == alone;
         const auto gain = alone_is_a ? expander_.cut_gain({&alone, 1}, others, half.connection)
                                      : expander_.cut_gain(others, {&alone, 1}, half.connection);
-        best = std::max(best, (gain ? *gain : gain_of_moving(alone)) + rest);
+        best =
+            std::max(best, (gain ? *gain + costs_[half.connection] : gain_of_moving(alone)) + rest);
       }
     }
     return best;
@@ -110,6 +116,7 @@ class SmallPieceValues {
   Expander& expander_;
   const Problem& problem_;
   const detail::AssemblyGraph& graph_;
+  std::vector<double> costs_;
 };
 
 /// Lists all sets of at most `most_moved` parts that a cut may move, and writes the exact values of

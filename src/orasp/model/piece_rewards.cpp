@@ -56,6 +56,13 @@ double Expander::greatest_gain_of_moving(std::span<const PartIndex> moved) {
   return sum;
 }
 
+std::vector<double> Expander::least_extra_costs() const {
+  std::vector<double> costs(system_.num_connections(), 0.0);
+  for (const auto& addend : scratch_->terms)
+    if (addend.weight != 0) addend.term->add_extra_costs(addend.weight, costs);
+  return costs;
+}
+
 bool Expander::moving_more_costs_more() const {
   return std::ranges::all_of(scratch_->rules.terms, [](const WeightedTerm& addend) {
     return addend.weight >= 0 && addend.term->sees.moving_more_costs_more;

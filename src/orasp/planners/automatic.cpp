@@ -16,6 +16,7 @@
 #include "orasp/planners/detail/quick_plan.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/greedy.h"
+#include "orasp/planners/orasp_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/task/memory_limit.h"
@@ -43,6 +44,10 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
 /// After so many turns all subsets of the connections are gone through, where there is memory and
 /// time for that.
 constexpr std::uint64_t kTurnsBeforeDense = 3;
+
+/// After so many turns pieces are planned one by one where the bound tells connections apart: few
+/// pieces then are worth the same, so that a depth-first search is quicker.
+constexpr std::uint64_t kTurnsBeforePieces = 5;
 
 double seconds_left(const Budget& budget) {
   return std::chrono::duration<double>(*budget.deadline - Budget::Clock::now()).count();
@@ -149,7 +154,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
   };
   Stop stop = Stop::None;
-  if (by_pieces) {
+  if (by_pieces && !pieces.sees_connections()) {
     stop = look_at_pieces(0);
     if (findings.settled() || stop != Stop::None)
       return findings.answer(stop, "and-or, since the objective sees the piece only");
@@ -172,14 +177,25 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 
   // In turn until the limit, each turn four times as long as the one before.
   std::string how =
-      by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
-                : "beam, since the state-action graph is too large to build";
+      pieces.sees_connections() ? "orasp-search, beam and and-or in turn, since the state-action "
+                                  "graph is too large to build"
+      : by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
+                  : "beam, since the state-action graph is too large to build";
   bool may_be_dense = dense_values_safe(forwards) && dense_table_fits(forwards, budget);
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
     Budget some = budget;
     if (!pieces_ended) {
       some.max_expansions = kFirstTurn << std::min<std::uint64_t>(2 * turn, 40);
       some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
+    }
+    if (pieces.sees_connections()) {
+      // Pieces and layers tell states apart that promise the same here; a depth-first search sees
+      // by the bound that most of them cannot be better.
+      const Result deep = orasp_search(system, {.incumbent = &findings.best()}, some);
+      findings.add(deep);
+      if (deep.status == Status::Optimal) break;
+      if (deep.stop != Stop::ExpansionLimit) stop = deep.stop;
+      if (findings.settled() || stop != Stop::None) break;
     }
     const Result passes =
         beam(system, {.incumbent = &findings.best(), .most = *findings.best().bound}, some);
@@ -189,7 +205,8 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
                : passes.stop;
     if (findings.settled() || stop != Stop::None) break;
     if (passes.status == Status::Optimal) break;
-    if (!pieces_ended) stop = look_at_pieces(turn + 1);
+    if (!pieces_ended && (turn >= kTurnsBeforePieces || !pieces.sees_connections()))
+      stop = look_at_pieces(turn + 1);
     if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())
       continue;
     may_be_dense = false;

@@ -194,7 +194,14 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
   const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
   if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
     throw Refusal("orasp-search", *reason);
-  Result result = random_sequence(system, {.seed = options.seed}, budget);
+  Result result;
+  if (options.incumbent != nullptr && options.incumbent->has_plan()) {
+    result.status = Status::Feasible;
+    result.sequence = options.incumbent->sequence;
+    result.reward = options.incumbent->reward;
+  } else {
+    result = random_sequence(system, {.seed = options.seed}, budget);
+  }
   result.method = "orasp-search";
   if (result.stop != Stop::None) {
     result =
@@ -219,8 +226,14 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
 Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                     const Budget& budget) {
   if (system.wide()) return detail::wide_depth_first(system, options.seed, budget);
-  return detail::from_the_end(
-      system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
+  return detail::from_the_end(system, [&](const TransitionSystem& from) {
+    if (&from == &system || options.incumbent == nullptr) return searched(from, options, budget);
+    Result incumbent = *options.incumbent;
+    std::ranges::reverse(incumbent.sequence);
+    OraspSearchOptions turned = options;
+    turned.incumbent = &incumbent;
+    return searched(from, turned, budget);
+  });
 }
 
 }  // namespace orasp

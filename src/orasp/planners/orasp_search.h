@@ -14,6 +14,8 @@ struct OraspSearchOptions {
   std::uint64_t seed = 1;
   /// The bound on what is left; None is that of the paper.
   BoundKind bound = BoundKind::Best;
+  /// A result of the same problem: its plan is the first incumbent instead.
+  const Result* incumbent = nullptr;
 };
 
 /// Finds an optimal plan by the paper's ORASP Search: depth-first branch and bound that generates H
@@ -25,8 +27,7 @@ struct OraspSearchOptions {
 ///             is left cannot beat the incumbent, and so is a state met again no better than
 ///             before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
-///             bound is 0). Rewards above zero, and stronger bounds, come from
-/// bounds/bound_kinds.h.
+///             bound is 0). Rewards above zero, and stronger bounds: bounds/bound_kinds.h.
 /// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more
 ///             than kRewardTolerance and the rounding error of a sum of so many rewards.
 /// Cost.       At worst every state once for each better path to it; one table entry (key, reward)

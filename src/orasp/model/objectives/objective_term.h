@@ -166,6 +166,12 @@ class ObjectiveTerm {
     static_cast<void>(moved);
     return kInfinity;
   }
+  /// If sees.gain_by_connection: adds to `costs`, for each connection, by how much less a cut at it
+  /// gains at least, times `weight`, than the three above say.
+  virtual void add_extra_costs(double weight, std::span<double> costs) const {
+    static_cast<void>(weight);
+    static_cast<void>(costs);
+  }
 };
 
 struct WeightedTerm {

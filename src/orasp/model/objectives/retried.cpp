@@ -16,8 +16,9 @@ namespace {
 /// same nothing but the unit changes; else sizes alone no longer tell what a step earns.
 class RetriedTerm : public ObjectiveTerm {
  public:
-  RetriedTerm(std::unique_ptr<const ObjectiveTerm> once, const std::vector<double>& attempts)
-      : once_(std::move(once)), attempts_(attempts) {
+  RetriedTerm(std::unique_ptr<const ObjectiveTerm> once, const std::vector<double>& attempts,
+              std::size_t parts)
+      : once_(std::move(once)), attempts_(attempts), parts_(parts) {
     const auto [least, most] = std::ranges::minmax_element(attempts);
     if (least == attempts.end()) return;
     least_ = *least;
@@ -30,11 +31,13 @@ class RetriedTerm : public ObjectiveTerm {
     }
     sees.sizes_only = sees.gain_by_sizes = sees.moving_more_costs_more = false;
     sees.gain_by_connection = true;
+    if (sees.piece_only && parts > 1) shared_ = -once_->greatest_gain(1, 1, parts - 1);
+    if (!std::isfinite(shared_)) shared_ = 0;
   }
 
   [[nodiscard]] std::unique_ptr<const ObjectiveTerm> for_one_thread() const override {
     std::unique_ptr<const ObjectiveTerm> own = once_->for_one_thread();
-    return own ? std::make_unique<RetriedTerm>(std::move(own), attempts_) : nullptr;
+    return own ? std::make_unique<RetriedTerm>(std::move(own), attempts_, parts_) : nullptr;
   }
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const override {
@@ -52,20 +55,34 @@ class RetriedTerm : public ObjectiveTerm {
   }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const override {
-    return most_of(once_->greatest_gain(weight, moved, kept));
+    return most_of(weight, once_->greatest_gain(weight, moved, kept));
   }
   [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
                                              std::size_t second) const override {
-    return most_of(once_->greatest_gain_unmoved(weight, first, second));
+    return most_of(weight, once_->greatest_gain_unmoved(weight, first, second));
   }
   [[nodiscard]] double greatest_gain_of_moving(double weight,
                                                const detail::StepPieces& moved) const override {
-    return most_of(once_->greatest_gain_of_moving(weight, moved));
+    return most_of(weight, once_->greatest_gain_of_moving(weight, moved));
+  }
+
+  void add_extra_costs(double weight, std::span<double> costs) const override {
+    for (std::size_t c = 0; c < costs.size(); ++c)
+      costs[c] += (attempts_[c] - least_) * shared_loss(weight);
   }
 
  private:
-  /// The most that a gain is worth when it is multiplied by some connection's factor.
-  [[nodiscard]] double most_of(double gain) const { return gain * (gain > 0 ? most_ : least_); }
+  /// Where all cuts lose about the same, `shared`, a cut at c loses (k(c) - k) * shared more than
+  /// one at the connection of the least factor k. The rest of what it gains is at most
+  ///
+  ///     k(c) * gain + (k(c) - k) * shared  <=  k * gain + (K - k) * max(0, gain + shared),
+  ///
+  /// K the greatest factor, whatever the connection is.
+  [[nodiscard]] double most_of(double weight, double gain) const {
+    return least_ * gain + (most_ - least_) * std::max(0.0, gain + shared_loss(weight));
+  }
+  /// What taking one part off all others loses.
+  [[nodiscard]] double shared_loss(double weight) const { return std::max(0.0, weight * shared_); }
 
   [[nodiscard]] SizeCosts scaled(SizeCosts costs) const {
     for (double& reward : costs.last) reward *= most_;
@@ -79,6 +96,8 @@ class RetriedTerm : public ObjectiveTerm {
   const std::vector<double>& attempts_;
   double least_ = 1;
   double most_ = 1;
+  std::size_t parts_;
+  double shared_ = 0;
   std::optional<SizeCosts> costs_;
 };
 
@@ -99,7 +118,8 @@ class RetriedKind : public ObjectiveKindOf<Retried> {
       kind_of(once.objective)
           .add_terms(once.objective.parameters, weight * once.weight, totals, terms);
     for (std::size_t i = before; i < terms.size(); ++i)
-      terms[i].term = std::make_unique<RetriedTerm>(std::move(terms[i].term), retried.attempts);
+      terms[i].term = std::make_unique<RetriedTerm>(std::move(terms[i].term), retried.attempts,
+                                                    totals.problem.num_parts());
   }
   /// A step that is tried k times on average costs what k steps cost.
   void add_checked(const Retried& retried, double weight, const detail::CheckedProblem& problem,

@@ -9,7 +9,7 @@ double AndOrSearch<kWords>::list_cuts(const Set& piece, std::size_t parts, std::
                                       double limit) {
   const double here = upper(piece, parts);
   double skipped = kInfinity;
-  std::size_t largest = mark_wanted_sizes(parts, here, limit, skipped);
+  std::size_t largest = mark_wanted_sizes(parts, here + tree(piece), limit, skipped);
   if (peeling_ && !along_forest_) largest = std::min(largest, kMostPeeled);
   if (largest == 0) return skipped;
   const auto offer = [&](const Set& side, std::size_t side_parts) {
@@ -29,7 +29,8 @@ double AndOrSearch<kWords>::list_cuts(const Set& piece, std::size_t parts, std::
 }
 
 /// Marks in wanted_ the sizes of a smaller side with which a cut may stay within `limit`, and
-/// returns the largest of them (0 if there is none). `here` is the bound of the piece.
+/// returns the largest of them (0 if there is none). `here` is the bound of the piece by its parts:
+/// what its tree costs, the trees of the sides and the cut cost at least.
 template <std::size_t kWords>
 std::size_t AndOrSearch<kWords>::mark_wanted_sizes(std::size_t parts, double here, double limit,
                                                    double& skipped) {

@@ -10,6 +10,7 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
     : problem_(pieces.system.problem()),
       expander_(pieces.system),
       gains_(pieces.gains),
+      trees_(pieces.gains.trees()),
       first_(pieces.first ? &*pieces.first : nullptr),
       graph_(pieces.graph),
       along_forest_(forest_seed != 0 || pieces.graph.is_forest()),
@@ -232,7 +233,7 @@ std::pair<double, bool> AndOrSearch<kWords>::loss_with(const Cut& cut,
 template <std::size_t kWords>
 double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
   if (!gains_.sizes_known() || parts < 3) return unknown_loss();
-  const double most = gains_.by_arms(parts, arms(piece));
+  const double most = gains_.by_arms(parts, arms(piece)) - tree(piece);
   return std::max(0.0, upper(piece, parts) - most - slack(scale_));
 }
 

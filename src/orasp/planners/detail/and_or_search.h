@@ -210,7 +210,13 @@ class AndOrSearch {
       list_parts(set, upper_list_);
       bound = std::min(bound, gains_.by_parts(upper_list_));
     }
-    return bound;
+    return bound - tree(set);
+  }
+  /// What the bound of a piece counts for the connections at which it is cut.
+  [[nodiscard]] double tree(const Set& set) {
+    if (!trees_.any()) return 0;
+    list_parts(set, upper_list_);
+    return trees_.of_parts(upper_list_);
   }
 
   /// How many of the subassemblies that are allowed a piece can make use of: n parts never need
@@ -276,6 +282,7 @@ class AndOrSearch {
   const Problem& problem_;
   Expander expander_;
   const PieceGains& gains_;
+  CutTrees trees_;
   /// Null where the last step completes.
   const FirstSteps* first_;
   const AssemblyGraph& graph_;
