@@ -58,7 +58,7 @@ struct MovedSet {
   double worth;
 };
 
-/// Works out what the cuts of pieces of two and three parts gain exactly, above what the connections
+/// Works out what the cuts of pieces of two and three parts gain exactly, above what connections
 /// cost (CutTrees). A cut that blocking forbids is counted all the same: so the bound stays finite,
 /// and the searches find the dead end.
 class SmallPieceValues {

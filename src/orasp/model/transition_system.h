@@ -377,7 +377,7 @@ class Expander {
   /// not known.
   [[nodiscard]] double greatest_gain_of_moving(std::span<const PartIndex> moved);
   /// For each connection the least by which a cut at it gains less than greatest_gain and
-  /// greatest_gain_of_moving say of its sides, which hold for any connection. O(connections * terms).
+  /// greatest_gain_of_moving say of its sides, true of any connection. O(connections * terms).
   [[nodiscard]] std::vector<double> least_extra_costs() const;
   /// Whether a cut gains less, or as much, the more parts it moves.
   [[nodiscard]] bool moving_more_costs_more() const;
