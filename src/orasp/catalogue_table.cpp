@@ -21,6 +21,7 @@
 #include "orasp/planners/orasp_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
+#include "orasp/planners/uncertain_search.h"
 #include "orasp/planners/uncertain_value_iteration.h"
 
 namespace orasp {
@@ -107,7 +108,8 @@ Result run_value_iteration(const Request& request) {
 
 Result run_automatic(const Request& request) {
   if (request.system != nullptr) {
-    if (request.task.problem.uncertain()) return run_value_iteration(request);
+    if (request.task.problem.uncertain())
+      return uncertain_automatic(*request.system, request.options.value_iteration, request.budget);
     return automatic(*request.system, request.options.seed, request.budget);
   }
   const FleetOptions options = request.fleet_options();

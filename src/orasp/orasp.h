@@ -126,6 +126,7 @@
 #include "orasp/planners/random_rewards.h"
 #include "orasp/planners/random_sequence.h"
 #include "orasp/planners/reward_statistics.h"
+#include "orasp/planners/uncertain_search.h"
 #include "orasp/planners/uncertain_value_iteration.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/task/memory_limit.h"

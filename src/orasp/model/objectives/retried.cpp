@@ -159,13 +159,15 @@ Problem attempts_paid(const Problem& problem) {
   ProblemSpec spec = problem.spec();
   Retried retried;
   for (std::size_t c = 0; c < spec.connections.size(); ++c) {
-    const double attempts = 1 / spec.connections[c].success;
+    Connection& connection = spec.connections[c];
+    const double attempts = connection.on_failure.abort ? 1 : 1 / connection.success;
     if (!std::isfinite(attempts)) {
       throw InputError("connections[" + std::to_string(c) +
                        "].success: so small that the expected reward is not a finite number");
     }
     retried.attempts.push_back(attempts);
-    spec.connections[c].success = 1;
+    connection.success = 1;
+    connection.on_failure = {};
   }
   retried.objective.push_back({1, std::move(spec.objective)});
   spec.objective = {"retried", std::move(retried)};

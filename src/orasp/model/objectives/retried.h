@@ -26,8 +26,10 @@ struct Retried {
 ///            check of plans hold for these as well.
 /// Guarantee. The same plans are legal, and a plan earns what the policy that follows it earns in
 ///            expectation.
-/// Limit.     For problems of Problem::only_retries(), with steps that take one connection and
-///            earn what they earn whatever came before.
+/// Limit.     Holds for problems of Problem::only_retries(), with steps that take one connection
+///            and earn what they earn whatever came before. Of others it is a relaxation for
+///            bounds: attempts that may break something are made again until they succeed, and
+///            those that may end the job succeed at once.
 /// @throws InputError where rewards so large add up to no finite number.
 [[nodiscard]] Problem attempts_paid(const Problem& problem);
 
