@@ -17,8 +17,8 @@
 namespace orasp {
 namespace {
 
-// The search finds what listing all states that attempts lead to finds; stopped anywhere before, its
-// bound is not below that and its policy earns no more.
+// The search finds what listing all states that attempts lead to finds; stopped anywhere before,
+// its bound is not below that and its policy earns no more.
 TEST(UncertainSearch, AgreesWithValueIterationAndHoldsWhereverItIsStopped) {
   int solved = 0;
   int infeasible = 0;

@@ -290,8 +290,8 @@ class UncertainSearch {
            (attempt.failed == s || attempt.failed == kJobEnded || settled_[attempt.failed] != 0);
   }
 
-  /// Bellman's equation at an expanded state: U falls to what its attempts promise, and the state is
-  /// settled if the outcomes of the best of them are.
+  /// Bellman's equation at an expanded state: U falls to what its attempts promise, and the state
+  /// is settled if the outcomes of the best of them are.
   void update(State s) {
     double most = -kInfinity;
     for (std::uint64_t i = row_begin_[s]; i < row_end_[s]; ++i)
@@ -350,8 +350,8 @@ class UncertainSearch {
     return actions[best].connection;
   }
 
-  /// Works out what the policy earns, and keeps the best that was met. Nothing where the states that
-  /// it can meet are too many.
+  /// Works out what the policy earns, and keeps the best that was met. Nothing where the states
+  /// that it can meet are too many.
   void evaluate_policy() {
     Budget some = budget_;
     some.max_expansions = kMostOfPolicy + expanded_;

@@ -21,14 +21,15 @@ namespace orasp {
 ///             a failure keeps or shrinks the set of open connections, so that what is left of
 ///             cycles, attempts that leave the state as it is, is solved in closed form.
 /// Bound.      Let D bound the problem in which an attempt that is made again earns r / p and one
-///             that ends the job r, and D(s without b) <= D(s) + w(b) if b comes off by itself. Then
+///             that ends the job r, and D(s without b) <= D(s) + w(b) if b comes off by itself.
+///             Then
 ///
 ///                 U(s) = D(s) + sum over open c of what a failure of c may be worth,
 ///
 ///             which is q * (sum of w(b) over what it breaks and is still there), or
 ///             q * max(0, x - least of r + D) where it ends the job and earns x. An attempt lowers
-///             the sum by its own term, which pays for its failure: no attempt promises more than U,
-///             so U is admissible. Where no step but the last earns more than 0, so is
+///             the sum by its own term, which pays for its failure: no attempt promises more than
+///             U, so U is admissible. Where no step but the last earns more than 0, so is
 ///             max(x, D(s) + sum of w(b)), x the most that an end may earn, without the factors q:
 ///             what leads to an end costs, and no outcome is above that. The smaller of the two is
 ///             taken.
@@ -40,8 +41,8 @@ namespace orasp {
 /// Guarantee.  Result::bound holds at any time. Optimal where the start is settled or the policy
 ///             earns the bound; Infeasible where every policy may end in a state without a legal
 ///             step.
-/// Cost.       24 bytes an attempt of a state that was looked at, about 60 a state beside its words;
-///             a trial costs what its states have attempts.
+/// Cost.       24 bytes an attempt of a state that was looked at, about 60 a state beside its
+///             words; a trial costs what its states have attempts.
 /// Limit.      A bound must be known (uncertain_search_obstacle()), and memory.
 /// Repeatable. One thread, no random numbers; but the clock decides when it ends.
 [[nodiscard]] Result uncertain_search(const TransitionSystem& system, const Budget& budget);
