@@ -9,6 +9,7 @@
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/order_search.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
@@ -31,9 +32,13 @@ class BeamSearch {
         proved_(options.most) {
     for (Worker& worker : workers_) {
       worker.expander = std::make_unique<Expander>(system);
-      worker.bound = make_bound(system, options.bound);
+      worker.bound = make_bound(system, options.bound, workers_.front().bound.get());
     }
     bounded_ = workers_.front().bound->known();
+    const StartByPlaces by_places = start_by_places(*workers_.front().bound);
+    proved_ = std::min(proved_, by_places.most);
+    if (by_places.prices)
+      orders_ = std::make_unique<detail::OrderSearch>(system, by_places.prices);
   }
 
   [[nodiscard]] bool bounded() const { return bounded_; }
@@ -42,12 +47,14 @@ class BeamSearch {
     const double most = bounded_ ? (*workers_.front().bound)(system_.start().view()) : kInfinity;
     tick_ = kRewardTolerance * (std::isfinite(most) ? std::max(1.0, std::abs(most)) : 1.0);
     proved_ = std::min(proved_, most);
+    improve_order();
     done_ = meets_bound();
     for (std::size_t width = 1; !done_ && result_.stop == Stop::None; width *= 2) {
       ++result_.statistics.sweeps;
       const double left_out = pass(width);
       if (result_.stop != Stop::None) break;
       proved_ = std::min(proved_, std::max(left_out, result_.reward));
+      if (left_out > -kInfinity && !meets_bound()) improve_order();
       done_ = left_out == -kInfinity || meets_bound();
     }
     if (std::isfinite(proved_)) result_.bound = proved_;
@@ -59,6 +66,13 @@ class BeamSearch {
   [[nodiscard]] bool done() const { return done_; }
 
  private:
+  // Where rewards depend on when steps come, moves the steps of a new plan about.
+  void improve_order() {
+    if (!orders_ || result_.reward == improved_) return;
+    orders_->improve(budget_, kOrderRounds, result_);
+    improved_ = result_.reward;
+  }
+
   /// A state of the next layer: the state `parent` of this layer less `connection`.
   struct Candidate {
     double promise;
@@ -326,6 +340,9 @@ class BeamSearch {
                     .best = result_.reward});
   }
 
+  /// How often a new plan is improved.
+  static constexpr std::uint64_t kOrderRounds = 100;
+
   const TransitionSystem& system_;
   const Budget& budget_;
   std::size_t words_;
@@ -334,6 +351,9 @@ class BeamSearch {
   std::vector<Worker> workers_;
   bool bounded_ = false;
   bool done_ = false;
+  /// Where rewards depend on when steps come; and the reward of the last plan that it improved.
+  std::unique_ptr<detail::OrderSearch> orders_;
+  double improved_ = kInfinity;
   /// Promises that differ by less than this are equal.
   double tick_ = 1;
   /// The least upper bound on any plan that was proved.
