@@ -369,8 +369,9 @@ class PlacePricing {
   }
   /// The most that it earns, where the question is of one time alone or where time is none of its
   /// variables.
-  [[nodiscard]] double most_of(const Addend& addend, std::size_t i, PlaceQuestion asked) const {
+  [[nodiscard]] double most_of(const Addend& addend, std::size_t i, PlaceQuestion asked) {
     double most = -kInfinity;
+    double least = kInfinity;
     for (const bool separates : {false, true}) {
       if ((separates ? may_separate_ : may_keep_)[i] == 0) continue;
       asked.separates = separates;
@@ -378,10 +379,14 @@ class PlacePricing {
       for (const double time : {asked.time.least, asked.time.greatest}) {
         for (const double slope : {line.slope.least, line.slope.greatest}) {
           const double rest = slope == 0 ? 0 : slope * time;
-          most = std::max(most, addend.weight * ((addend.weight > 0 ? line.at.greatest : line.at.least) + rest));
+          for (const double at : {line.at.least, line.at.greatest}) {
+            most = std::max(most, addend.weight * (at + rest));
+            least = std::min(least, addend.weight * (at + rest));
+          }
         }
       }
     }
+    exact_ = exact_ && least == most;
     return most;
   }
 
@@ -684,6 +689,7 @@ class PlacePricing {
       return {seconds_of_start_ + std::max(times.least, shortest[others]),
               seconds_of_start_ + std::min(times.greatest, longest[others])};
     };
+    exact_ = !prices_.by_seconds_.used;
     for (std::size_t i = 0; i < size_; ++i) {
       for (std::size_t k = window[i][0]; k <= window[i][1] && k < size_; ++k) {
         PlaceQuestion asked = question(i);
@@ -783,7 +789,24 @@ class PlacePricing {
     for (const Priced& priced : best) {
       if (priced.price > 0) add_pair(out.pairs, priced);
     }
-    prices_.values_.table = std::move(table);
+    PlacePrices::Values& values = prices_.values_;
+    values.slack.assign(table.size(), kInfinity);
+    std::ranges::fill(slope, 0.0);
+    for (const Priced& priced : best) {
+      slope[priced.second] += priced.price;
+      slope[priced.first] -= priced.price;
+    }
+    for (std::size_t i = 0; i < size_; ++i) {
+      for (std::size_t k = 0; k < size_; ++k) {
+        const double earned = table[i * size_ + k];
+        if (!std::isfinite(earned)) continue;
+        values.slack[i * size_ + k] = out.of_connection[steps_[i]] + out.of_rest[k] -
+                                      out.of_rest[k + 1] - earned -
+                                      slope[i] * static_cast<double>(k);
+      }
+    }
+    values.exact = exact_;
+    values.table = std::move(table);
     prices_.most_of_start_ += least;
   }
 
@@ -798,6 +821,7 @@ class PlacePricing {
   FormulaLine after_;
   double seconds_of_start_ = 0;  ///< what had passed before any step of the plan
   double all_seconds_ = 0;       ///< what all steps last
+  bool exact_ = true;            ///< whether most_of() was all that there is
   std::vector<unsigned char> may_separate_;
   std::vector<unsigned char> may_keep_;
   std::vector<std::array<std::uint32_t, 2>> before_after_;  ///< steps: the first before the second

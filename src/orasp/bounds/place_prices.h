@@ -81,6 +81,10 @@ class PlacePrices {
     std::vector<double> seconds;
     /// By step and place; empty where there are lines alone.
     std::vector<double> table;
+    /// Whether the table is all that a step earns, and not only the most.
+    bool exact = false;
+    /// By step and place: what a plan falls short of the bound at least that has the step there.
+    std::vector<double> slack;
     /// By step: those that must come before it, those that must come after it.
     std::vector<std::vector<std::uint32_t>> waits_for;
     std::vector<std::vector<std::uint32_t>> next;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/detail/order_search.h"
+#include "orasp/planners/detail/step_in_front.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
@@ -37,6 +39,10 @@ class BeamSearch {
     bounded_ = workers_.front().bound->known();
     const StartByPlaces by_places = start_by_places(*workers_.front().bound);
     proved_ = std::min(proved_, by_places.most);
+    for (Worker& worker : workers_) {
+      if (by_places.prices && detail::StepInFront::applies(system, *by_places.prices))
+        worker.in_front = std::make_unique<detail::StepInFront>(system, by_places.prices);
+    }
     if (by_places.prices)
       orders_ = std::make_unique<detail::OrderSearch>(system, by_places.prices);
   }
@@ -104,6 +110,8 @@ class BeamSearch {
   struct Worker {
     std::unique_ptr<Expander> expander;
     std::unique_ptr<Bound> bound;
+    /// Where what a step earns depends on when it comes and on nothing else.
+    std::unique_ptr<detail::StepInFront> in_front;
     std::vector<Candidate> found;
     std::vector<double> rests;
     std::uint64_t expanded = 0;
@@ -214,7 +222,12 @@ class BeamSearch {
       ++worker.expanded;
       worker.rests.assign(legal.size(), 0);
       if (bounded_) worker.bound->of_successors(open, layer_.rests[i], legal, worker.rests);
+      std::optional<ConnectionIndex> alone;
+      if (worker.in_front && result_.has_plan())
+        alone = worker.in_front->find(open, legal,
+                                      layer_.rewards[i] + layer_.rests[i] - result_.reward);
       for (std::size_t a = 0; a < legal.size(); ++a) {
+        if (alone && legal[a].connection != *alone) continue;
         const double reward = layer_.rewards[i] + legal[a].reward;
         const double promise = reward + worker.rests[a];
         ++worker.generated;

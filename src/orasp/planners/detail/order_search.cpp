@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <span>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,11 +12,79 @@
 
 namespace orasp::detail {
 
+/// A legal plan, by numbers of steps, whose states are kept, so that a change of a few steps is
+/// walked through from the first to the last of them.
+class OrderSearch::Walk {
+ public:
+  Walk(const TransitionSystem& system, Expander& expander, const PlacePrices::Values& values,
+       const Budget& budget, std::uint64_t most)
+      : system_(system), expander_(expander), values_(values), budget_(budget), left_(most) {}
+
+  /// Whether no more steps may be looked at.
+  [[nodiscard]] bool over() const { return left_ == 0; }
+  [[nodiscard]] double reward() const {
+    double sum = 0;
+    for (const double one : rewards_) sum += one;
+    return sum;
+  }
+  /// Walks through all of an order, which must be legal.
+  void begin(const std::vector<std::uint32_t>& steps) {
+    states_.assign(1, system_.start());
+    rewards_.clear();
+    for (const std::uint32_t step : steps) take(step);
+  }
+  /// How much more it earns to have these steps from place `first` to place `last`; nothing where
+  /// that is not legal, or may not be looked at any more.
+  [[nodiscard]] std::optional<double> gain(const std::vector<std::uint32_t>& steps,
+                                           std::size_t first, std::size_t last) {
+    ConnectionSet state = states_[first];
+    double sum = 0;
+    for (std::size_t k = first; k <= last; ++k) {
+      if (left_ == 0) return std::nullopt;
+      if (--left_ % 256 == 0 && budget_.expired() != Stop::None) left_ = 0;
+      const ConnectionIndex c = values_.steps[steps[k]];
+      const auto legal = expander_.legal_actions(state.view());
+      const auto action = std::ranges::find(legal, c, &Action::connection);
+      if (action == legal.end()) return std::nullopt;
+      sum += action->reward - rewards_[k];
+      state.erase(c);
+    }
+    return sum;
+  }
+  /// Makes the change that `gain` was asked for.
+  void follow(const std::vector<std::uint32_t>& steps, std::size_t first) {
+    states_.resize(first + 1);
+    rewards_.resize(first);
+    for (std::size_t k = first; k < steps.size(); ++k) take(steps[k]);
+  }
+
+ private:
+  void take(std::uint32_t step) {
+    const ConnectionIndex c = values_.steps[step];
+    double reward = 0;
+    for (const Action& action : expander_.legal_actions(states_.back().view())) {
+      if (action.connection == c) reward = action.reward;
+    }
+    rewards_.push_back(reward);
+    states_.push_back(states_.back());
+    states_.back().erase(c);
+  }
+
+  const TransitionSystem& system_;
+  Expander& expander_;
+  const PlacePrices::Values& values_;
+  const Budget& budget_;
+  std::uint64_t left_;
+  std::vector<ConnectionSet> states_;  ///< before each step, and at the end
+  std::vector<double> rewards_;
+};
+
 /// An order of steps, by their numbers in PlacePrices::Values, and what moves in it are worth.
 class OrderSearch::Order {
  public:
-  Order(const PlacePrices::Values& values, std::vector<std::uint32_t> steps)
-      : values_(values), steps_(std::move(steps)), in_block_(steps_.size(), 0) {
+  /// With a `walk`, moves are made that are legal there.
+  Order(const PlacePrices::Values& values, std::vector<std::uint32_t> steps, Walk* walk = nullptr)
+      : values_(values), walk_(walk), steps_(std::move(steps)), in_block_(steps_.size(), 0) {
     for (const std::uint32_t step : steps_) {
       for (const double slope : {of(values.by_place, step), of(values.by_seconds, step)})
         scale_ = std::max(scale_, std::abs(slope));
@@ -43,7 +111,7 @@ class OrderSearch::Order {
   /// Makes moves that earn more until there is none, or `most` were made. Returns how many.
   std::size_t climb(std::size_t most) {
     std::size_t made = 0;
-    for (bool moving = true; moving && made < most;) {
+    for (bool moving = true; moving && made < most && (walk_ == nullptr || !walk_->over());) {
       moving = false;
       for (std::size_t i = 0; i < size() && made < most; ++i) {
         if (move_block(i, true) || move_block(i, false)) {
@@ -64,6 +132,7 @@ class OrderSearch::Order {
     const std::size_t blocks = 2 + random.below(3);
     for (std::size_t k = 0; k < blocks && size() > 1; ++k) {
       const std::size_t i = random.below(size());
+      saved_ = steps_;
       shift(i, random.below(2) == 0, 1 + random.below(std::min<std::size_t>(size() - 1, 20)));
     }
   }
@@ -156,7 +225,7 @@ class OrderSearch::Order {
       if (!std::isfinite(more)) break;  // beyond the places that it may have
       sum += more;
       pass(block, later);
-      if (sum > best + 1e-9 * scale_) {
+      if (sum > best + 1e-9 * scale_ && allowed()) {
         best = sum;
         found = true;
         best_steps_ = steps_;
@@ -165,6 +234,7 @@ class OrderSearch::Order {
     forget(block);
     if (found) {
       std::swap(steps_, best_steps_);
+      if (walk_ != nullptr) walk_->follow(steps_, changed().first);
     } else {
       std::swap(steps_, saved_);
     }
@@ -181,6 +251,31 @@ class OrderSearch::Order {
       --steps;
     }
     forget(block);
+    if (walk_ == nullptr) return;
+    const auto [first, last] = changed();
+    if (first > last) return;
+    if (walk_->gain(steps_, first, last)) {
+      walk_->follow(steps_, first);
+    } else {
+      std::swap(steps_, saved_);
+    }
+  }
+
+  /// The first and the last place at which the order is not that saved.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> changed() const {
+    std::size_t first = 0;
+    while (first < size() && steps_[first] == saved_[first]) ++first;
+    if (first == size()) return {1, 0};
+    std::size_t last = size() - 1;
+    while (steps_[last] == saved_[last]) --last;
+    return {first, last};
+  }
+  /// Whether the order that came of the one saved is legal and earns more, where there is a walk.
+  [[nodiscard]] bool allowed() {
+    if (walk_ == nullptr) return true;
+    const auto [first, last] = changed();
+    const auto more = walk_->gain(steps_, first, last);
+    return more && *more > 1e-9 * scale_;
   }
 
   // The first two steps that earn more with their places exchanged. Only where places alone count.
@@ -199,14 +294,21 @@ class OrderSearch::Order {
           return place_[other] >= i;
         });
         if (waits) continue;
+        saved_ = steps_;
         std::swap(steps_[i], steps_[j]);
-        return true;
+        if (allowed()) {
+          if (walk_ != nullptr) walk_->follow(steps_, i);
+          return true;
+        }
+        std::swap(steps_[i], steps_[j]);
+        if (walk_ != nullptr && walk_->over()) return false;
       }
     }
     return false;
   }
 
   const PlacePrices::Values& values_;
+  Walk* walk_;
   std::vector<std::uint32_t> steps_;
   std::vector<std::uint32_t> saved_;
   std::vector<std::uint32_t> best_steps_;
@@ -216,7 +318,12 @@ class OrderSearch::Order {
 };
 
 OrderSearch::OrderSearch(const TransitionSystem& system, std::shared_ptr<const PlacePrices> prices)
-    : system_(system), prices_(std::move(prices)), expander_(system) {}
+    : system_(system), prices_(std::move(prices)), expander_(system) {
+  guarded_ = system.may_shut_out() || system.ordered() ||
+             std::ranges::any_of(system.problem().precedence(), [](const PrecedenceClause& clause) {
+               return !clause.after_any.empty() || !clause.made_after_any.empty();
+             });
+}
 
 OrderSearch::~OrderSearch() = default;
 
@@ -241,49 +348,66 @@ bool OrderSearch::try_order(const std::vector<ConnectionIndex>& order, Result& r
   return true;
 }
 
+std::vector<std::uint32_t> OrderSearch::numbered(const Result& result) const {
+  const std::vector<ConnectionIndex>& named = prices_->values().steps;
+  std::vector<std::uint32_t> steps;
+  for (const ConnectionIndex c : result.sequence)
+    steps.push_back(
+        static_cast<std::uint32_t>(std::ranges::lower_bound(named, c) - named.begin()));
+  return steps;
+}
+
+std::vector<ConnectionIndex> OrderSearch::named(const std::vector<std::uint32_t>& steps) const {
+  std::vector<ConnectionIndex> sequence;
+  for (const std::uint32_t step : steps) sequence.push_back(prices_->values().steps[step]);
+  return sequence;
+}
+
 bool OrderSearch::improve(const Budget& budget, std::uint64_t rounds, Result& result) {
-  const PlacePrices::Values& values = prices_->values();
   bool better = false;
   if (!begun_) {
     begun_ = true;
     better = try_order(prices_->order(), result);
   }
-  if (!result.has_plan() || values.steps.size() < 2) return better;
-  const auto numbered = [&] {
-    std::vector<std::uint32_t> steps;
-    for (const ConnectionIndex c : result.sequence)
-      steps.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(values.steps, c) -
-                                                 values.steps.begin()));
-    return steps;
-  };
-  const auto named = [&](const Order& order) {
-    std::vector<ConnectionIndex> sequence;
-    for (const std::uint32_t step : order.steps()) sequence.push_back(values.steps[step]);
-    return sequence;
-  };
+  if (!result.has_plan() || prices_->values().steps.size() < 2) return better;
+  const bool moved = guarded_ ? improve_guarded(budget, rounds, result)
+                              : improve_unguarded(budget, rounds, result);
+  return better || moved;
+}
+
+bool OrderSearch::improve_unguarded(const Budget& budget, std::uint64_t rounds, Result& result) {
+  bool better = false;
   SplitMix64 random(1);
-  std::vector<std::uint32_t> from = numbered();
-  double total = Order(values, from).total();
+  std::vector<std::uint32_t> from = numbered(result);
+  double total = Order(prices_->values(), from).total();
   for (std::uint64_t round = 0; round < rounds && budget.expired() == Stop::None; ++round) {
-    Order order(values, from);
+    Order order(prices_->values(), from);
     if (round > 0) order.shake(random);
-    // Where other rules forbid the top of a climb, the way there may still help.
-    const std::size_t all = order.climb(4 * order.size() + 100);
-    const bool promising =
-        order.total() > total + kRewardTolerance * std::max(1.0, std::abs(total));
-    if (promising && try_order(named(order), result)) {
+    order.climb(4 * order.size() + 100);
+    if (order.total() <= total + kRewardTolerance * std::max(1.0, std::abs(total)) ||
+        !try_order(named(order.steps()), result))
+      continue;
+    better = true;
+    from = order.steps();
+    total = order.total();
+  }
+  return better;
+}
+
+bool OrderSearch::improve_guarded(const Budget& budget, std::uint64_t rounds, Result& result) {
+  constexpr std::uint64_t kMostSteps = 40'000;
+  bool better = false;
+  SplitMix64 random(1);
+  Walk walk(system_, expander_, prices_->values(), budget, kMostSteps);
+  std::vector<std::uint32_t> from = numbered(result);
+  for (std::uint64_t round = 0; round < rounds && !walk.over(); ++round) {
+    walk.begin(from);
+    Order order(prices_->values(), from, &walk);
+    if (round > 0) order.shake(random);
+    order.climb(4 * order.size() + 100);
+    if (walk.reward() > result.reward && try_order(named(order.steps()), result)) {
       better = true;
       from = order.steps();
-      total = order.total();
-      continue;
-    }
-    if (round > 0 || all == 0) continue;
-    for (std::size_t made = 0; made < all && budget.expired() == Stop::None; ++made) {
-      Order one(values, from);
-      if (one.climb(1) == 0 || !try_order(named(one), result)) break;
-      better = true;
-      from = one.steps();
-      total = one.total();
     }
   }
   return better;
