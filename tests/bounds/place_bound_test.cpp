@@ -13,6 +13,7 @@
 #include "orasp/io/formula_parser.h"
 #include "orasp/orasp.h"
 #include "orasp/planners/detail/order_search.h"
+#include "orasp/planners/detail/step_in_front.h"
 #include "orasp/planners/planner_support.h"
 #include "tests/checks.h"
 #include "tests/instances.h"
@@ -67,7 +68,8 @@ Objective when_objective(std::uint64_t seed, SplitMix64& random) {
   sum.terms.push_back({random.below(3) == 0 ? -0.5 : 2.0, first});
   if (random.below(2) == 0) sum.terms.push_back({1, plain(random.below(100))});
   const char* const others[] = {"cubesat", "time", "fuel", "completion", "cubesat_zone"};
-  sum.terms.push_back({random.below(4) == 0 ? -1.0 : 1.0, Objective::named(others[random.below(5)])});
+  sum.terms.push_back(
+      {random.below(4) == 0 ? -1.0 : 1.0, Objective::named(others[random.below(5)])});
   return {"sum", std::move(sum)};
 }
 
@@ -288,6 +290,57 @@ TEST(OrderSearch, NeverMakesAPlanWorse) {
     if (improved) ++better;
   }
   EXPECT_GE(better, least_of(30U));
+}
+
+// Where one step alone is named, the best plan that begins with it earns as much as any, as long as
+// that is more than what is known.
+TEST(StepInFront, KeepsABestPlan) {
+  std::size_t named = 0;
+  for (std::uint64_t seed = 0; seed < some_of(4 * kWhenSeeds); ++seed) {
+    SplitMix64 random(mixed(seed));
+    ProblemSpec spec = when_problem(seed);
+    if (random.below(2) == 0) {
+      spec.objective = Objective::named("indexed");
+    } else {
+      spec.objective = {"expression", Expression{.formula = random.below(2) == 0
+                                                                ? "max(0, value*(before - index))"
+                                                                : "before > 2 ? value : -duration",
+                                                 .compiler = compile_formula}};
+    }
+    if (random.below(2) == 0) spec.precedence.clear();
+    SCOPED_TRACE("seed " + std::to_string(seed) + "\n" + problem_text(Problem(spec)));
+    const Problem problem = paid_problem(spec);
+    const TransitionSystem forwards(problem);
+    std::unique_ptr<const TransitionSystem> backwards;
+    if (!forwards.takes_apart()) backwards.reset(new TransitionSystem(forwards.backwards()));
+    const TransitionSystem& system = backwards ? *backwards : forwards;
+    const auto prices = std::make_shared<const PlacePrices>(system, PlacePrices::Terms::All);
+    if (system.infeasibility() || !detail::StepInFront::applies(system, *prices)) continue;
+    detail::StepInFront in_front(system, prices);
+    const StateGraph graph = StateGraph::build(system, {});
+    const std::vector<double> values = value_iteration(graph, {}, {}).values;
+    PlaceBound bound(system, prices);
+    for (StateId s = 0; s < graph.num_states(); ++s) {
+      if (values[s] == -kInfinity) continue;
+      std::vector<Action> legal;
+      for (ActionId a = graph.begin(s); a < graph.end(s); ++a)
+        legal.push_back({graph.connection(a), graph.reward(a)});
+      // A plan is known that earns a little less than the best, and one that earns much less.
+      for (const double less : {1e-6, 3.0, 100.0}) {
+        const double known = values[s] - less;
+        const auto alone = in_front.find(graph.state(s), legal, bound(graph.state(s)) - known);
+        if (!alone) continue;
+        ++named;
+        for (ActionId a = graph.begin(s); a < graph.end(s); ++a) {
+          if (graph.connection(a) != *alone) continue;
+          ASSERT_NEAR(graph.reward(a) + values[graph.successor(a)], values[s],
+                      reward_tolerance(values[s]))
+              << "state " << s;
+        }
+      }
+    }
+  }
+  EXPECT_GE(named, least_of(2000U));
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+#include "orasp/model/formula_range.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "orasp/io/formula_parser.h"
-#include "orasp/model/formula_range.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "tests/seeds.h"
@@ -25,9 +26,9 @@ std::string random_formula(SplitMix64& random, int deep) {
   const auto inner = [&] { return random_formula(random, deep - 1); };
   switch (random.below(8)) {
     case 0:
-      return one_of({"abs", "cosh", "acosh", "asin", "asinh", "atan", "atanh", "exp", "ln", "log",
-                     "log10", "log2", "rint", "sign", "sinh", "sqrt", "tanh", "acos", "cos", "sin",
-                     "tan"}) +
+      return one_of({"abs",  "cosh", "acosh", "asin",  "asinh", "atan", "atanh",
+                     "exp",  "ln",   "log",   "log10", "log2",  "rint", "sign",
+                     "sinh", "sqrt", "tanh",  "acos",  "cos",   "sin",  "tan"}) +
              "(" + inner() + ")";
     case 1: return one_of({"min", "max", "sum", "avg"}) + "(" + inner() + "," + inner() + ")";
     case 2: return "(" + inner() + " ? " + inner() + " : " + inner() + ")";

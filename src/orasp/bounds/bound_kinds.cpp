@@ -84,8 +84,7 @@ class SumBound final : public Bound {
     Shared(const TransitionSystem& system, Objective objective)
         : problem(system.problem().with_objective(std::move(objective))),
           forwards(problem, system.situation()) {
-      if (system.completes_first())
-        backwards.reset(new TransitionSystem(forwards.backwards()));
+      if (system.completes_first()) backwards.reset(new TransitionSystem(forwards.backwards()));
     }
     [[nodiscard]] const TransitionSystem& system() const {
       return backwards ? *backwards : forwards;
@@ -103,8 +102,7 @@ class SumBound final : public Bound {
       shared_->prices =
           std::make_shared<const PlacePrices>(system, PlacePrices::Terms::NotOfPiecesAlone);
     places_ = std::make_unique<PlaceBound>(system, shared_->prices);
-    most_of_start_ =
-        pieces_(shared_->system().start().view()) + shared_->prices->most_of_start();
+    most_of_start_ = pieces_(shared_->system().start().view()) + shared_->prices->most_of_start();
   }
   [[nodiscard]] bool known() const override { return places_ && places_->known(); }
   [[nodiscard]] double operator()(SetView open) override {
@@ -129,10 +127,13 @@ class SumBound final : public Bound {
   std::vector<double> rest_;
 };
 
-/// Whether what some step earns depends on when it comes.
+/// Whether what some step earns depends on when it comes, and something is known of that: of a
+/// function of many steps there is nothing but its range.
 bool sees_when(const TransitionSystem& system) {
   return std::ranges::any_of(system.rules().terms, [](const WeightedTerm& addend) {
-    return addend.weight != 0 && (addend.term->sees.by_place || addend.term->sees.elapsed);
+    const TermSight& sees = addend.term->sees;
+    return addend.weight != 0 &&
+           (sees.by_place || (sees.elapsed && !addend.term->can_take_notes()));
   });
 }
 
@@ -183,7 +184,8 @@ std::unique_ptr<Bound> make_bound(const TransitionSystem& system, BoundKind kind
 }
 
 StartByPlaces start_by_places(const Bound& bound) {
-  if (const auto* const places = dynamic_cast<const PlaceBound*>(&bound); places != nullptr && places->known())
+  if (const auto* const places = dynamic_cast<const PlaceBound*>(&bound);
+      places != nullptr && places->known())
     return {places->prices()->most_of_start(), places->prices()};
   if (const auto* const sum = dynamic_cast<const SumBound*>(&bound); sum != nullptr && sum->known())
     return {sum->most_of_start(), sum->shared()->prices};

@@ -358,8 +358,7 @@ class PlacePricing {
       asked.separates = separates;
       const FormulaLine line = addend.term->reward_over(asked);
       if (line.slope.least != line.slope.greatest) return std::nullopt;
-      const double at =
-          addend.weight * (addend.weight > 0 ? line.at.greatest : line.at.least);
+      const double at = addend.weight * (addend.weight > 0 ? line.at.greatest : line.at.least);
       const double slope = addend.weight * line.slope.least;
       if (found && found->slope != slope) return std::nullopt;
       const bool flat = slope == 0 && line.at.least != line.at.greatest;
@@ -405,8 +404,8 @@ class PlacePricing {
         PlaceQuestion asked = question(i);
         asked.time = by_seconds ? times_of(i, seconds, all_seconds_) : times_of(i, ones, places);
         if (by_seconds) {
-          const double begin = backwards_ ? seconds_of_start_ + all_seconds_ - seconds[i]
-                                          : seconds_of_start_;
+          const double begin =
+              backwards_ ? seconds_of_start_ + all_seconds_ - seconds[i] : seconds_of_start_;
           const double slope = backwards_ ? -1 : 1;
           asked.elapsed = {{begin, begin}, {slope, slope}};
         } else {
@@ -421,7 +420,9 @@ class PlacePricing {
         }
         addend.lines.push_back(*line);
         // The step that completes comes first, or last.
-        const double time = backwards_ ? 0 : by_seconds ? all_seconds_ - seconds[i] : static_cast<double>(size_ - 1);
+        const double time = backwards_   ? 0
+                            : by_seconds ? all_seconds_ - seconds[i]
+                                         : static_cast<double>(size_ - 1);
         asked.time = {time, time};
         if (!by_seconds) {
           asked.before = {at_time(before_, time), {0, 0}};
@@ -530,12 +531,10 @@ class PlacePricing {
       }
       if (bound < least) {
         least = bound;
-        for (std::size_t k = 0; k < constraints.size(); ++k)
-          best_prices[k] = constraints[k].price;
+        for (std::size_t k = 0; k < constraints.size(); ++k) best_prices[k] = constraints[k].price;
       }
       if (round % 16 == 0 || round == rounds) {
-        const std::vector<std::uint32_t> legal =
-            order_by([&](std::uint32_t i) { return rank[i]; });
+        const std::vector<std::uint32_t> legal = order_by([&](std::uint32_t i) { return rank[i]; });
         double earned = legal.empty() ? -kInfinity : fixed;
         double when = 0;
         for (const std::uint32_t i : legal) {
@@ -615,9 +614,8 @@ class PlacePricing {
       }
     }
     out.order = steps_;
-    std::ranges::stable_sort(out.order, {}, [&](ConnectionIndex c) {
-      return rank_of(out.slope[c], out.takes[c]);
-    });
+    std::ranges::stable_sort(
+        out.order, {}, [&](ConnectionIndex c) { return rank_of(out.slope[c], out.takes[c]); });
     if (least > plan + 1e-6 * std::max(1.0, std::abs(plan)))
       least = std::min(least, least_with_gaps(lines, constraints, plan));
     prices_.most_of_start_ += least;
@@ -636,7 +634,7 @@ class PlacePricing {
   // between them does.
   double least_with_gaps(const LineProblem& lines, const std::vector<Priced>& known, double& plan) {
     constexpr std::size_t kMostPairs = 40'000;
-    constexpr std::size_t kWork = 40'000'000;
+    constexpr std::size_t kWork = 20'000'000;
     if (ahead_.empty() || size_ > 1024) return kInfinity;
     std::size_t pairs = 0;
     for (const Bits& bits : ahead_) pairs += count(bits);
@@ -719,8 +717,9 @@ class PlacePricing {
     std::vector<Priced> constraints;
     for (const auto& [first, second] : before_after_) constraints.push_back({first, second, 1});
     const double cube = static_cast<double>(size_ * size_ * size_);
-    const auto rounds =
-        constraints.empty() ? 0 : static_cast<std::size_t>(std::clamp(3e8 / (cube + 1), 5.0, 100.0));
+    const auto rounds = constraints.empty()
+                            ? 0
+                            : static_cast<std::size_t>(std::clamp(3e8 / (cube + 1), 5.0, 100.0));
     Assignment assignment(size_);
     std::vector<double> cost(size_ * size_);
     std::vector<double> slope(size_);
@@ -739,8 +738,7 @@ class PlacePricing {
       }
       for (std::size_t i = 0; i < size_; ++i) {
         for (std::size_t k = 0; k < size_; ++k)
-          cost[i * size_ + k] =
-              0.0 - (table[i * size_ + k] + slope[i] * static_cast<double>(k));
+          cost[i * size_ + k] = 0.0 - (table[i * size_ + k] + slope[i] * static_cast<double>(k));
       }
       if (!assignment.solve(cost)) {
         prices_.known_ = false;

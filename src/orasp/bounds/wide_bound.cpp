@@ -224,8 +224,8 @@ bool WideBound::add_line_of_seconds(const WeightedTerm& addend) {
         const double mine = addend.weight * line.slope.least;
         if (at[c] != -kInfinity && mine != slope[c]) return false;
         slope[c] = mine;
-        at[c] = std::max(at[c],
-                         addend.weight * (addend.weight > 0 ? line.at.greatest : line.at.least));
+        at[c] =
+            std::max(at[c], addend.weight * (addend.weight > 0 ? line.at.greatest : line.at.least));
       }
     }
     if (!std::isfinite(at[c]) || !std::isfinite(slope[c])) return false;

@@ -58,7 +58,8 @@ class WideBound {
   void set_steps(const TransitionSystem& system);
   void set_terms(const TransitionSystem& system);
   [[nodiscard]] bool add_line_of_seconds(const WeightedTerm& addend);
-  [[nodiscard]] RewardRange range_of(const WeightedTerm& addend, const RangeQuestion& question) const;
+  [[nodiscard]] RewardRange range_of(const WeightedTerm& addend,
+                                     const RangeQuestion& question) const;
   [[nodiscard]] double of_steps(SetView open);
   [[nodiscard]] double of_changes(const Changes& changes, SetView state) const;
   [[nodiscard]] double of_way(const Way& way, SetView state);
@@ -86,8 +87,8 @@ class WideBound {
   std::vector<double> by_second_;
   /// The connections whose line falls, by Smith's rule.
   std::vector<ConnectionIndex> falling_;
-  double seconds_of_start_ = 0;  ///< what had passed at the start
-  double all_seconds_ = 0;       ///< what all open connections last
+  double seconds_of_start_ = 0;      ///< what had passed at the start
+  double all_seconds_ = 0;           ///< what all open connections last
   std::vector<std::uint64_t> must_;  ///< the connections that every plan handles
   std::vector<Changes> changes_;
   std::vector<Way> ways_;

@@ -109,7 +109,7 @@ class MuParserFormula final : public RangedFormula {
  public:
   MuParserFormula(const std::string& text, const std::map<std::string, double>& constants,
                   const std::vector<std::string>& own)
-      : text_(text), constants_(constants), own_names_(own), own_(own.size(), 0.0) {
+      : text_(text), own_names_(own), own_(own.size(), 0.0) {
     for (std::size_t i = 0; i < own.size(); ++i) parser_.DefineVar(own[i], &own_[i]);
     for (const FormulaVariable& variable : kFormulaVariables) {
       parser_.DefineVar(std::string(variable.name), &(variables_.*variable.value));
@@ -154,7 +154,8 @@ class MuParserFormula final : public RangedFormula {
   [[nodiscard]] FormulaLine over(const FormulaRanges& ranges) override {
     if (!read_) {
       read_ = true;
-      tree_ = detail::FormulaTree::read(text_, constants_, own_names_);
+      tree_ = detail::FormulaTree::read(
+          text_, {parser_.GetConst().begin(), parser_.GetConst().end()}, own_names_);
       if (tree_ && !agrees(*tree_)) tree_.reset();
     }
     if (!tree_) return {{-kInfinity, kInfinity}, {0, 0}};
@@ -196,7 +197,6 @@ class MuParserFormula final : public RangedFormula {
   }
 
   std::string text_;
-  std::map<std::string, double> constants_;
   std::vector<std::string> own_names_;
   /// What is known of its values; read when somebody asks.
   bool read_ = false;

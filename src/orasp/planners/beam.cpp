@@ -43,8 +43,7 @@ class BeamSearch {
       if (by_places.prices && detail::StepInFront::applies(system, *by_places.prices))
         worker.in_front = std::make_unique<detail::StepInFront>(system, by_places.prices);
     }
-    if (by_places.prices)
-      orders_ = std::make_unique<detail::OrderSearch>(system, by_places.prices);
+    if (by_places.prices) orders_ = std::make_unique<detail::OrderSearch>(system, by_places.prices);
   }
 
   [[nodiscard]] bool bounded() const { return bounded_; }
@@ -354,7 +353,7 @@ class BeamSearch {
   }
 
   /// How often a new plan is improved.
-  static constexpr std::uint64_t kOrderRounds = 100;
+  static constexpr std::uint64_t kOrderRounds = 300;
 
   const TransitionSystem& system_;
   const Budget& budget_;

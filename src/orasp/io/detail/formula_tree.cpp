@@ -72,7 +72,8 @@ Interval power(const Interval& x, const Interval& y) {
     return kAnything;
   Interval ends = of_ends(x, y, pow);
   const bool even = std::fmod(y.least, 2) == 0;
-  if (even && x.least < 0 && x.greatest > 0) ends.least = std::min(ends.least, y.least == 0 ? 1.0 : 0.0);
+  if (even && x.least < 0 && x.greatest > 0)
+    ends.least = std::min(ends.least, y.least == 0 ? 1.0 : 0.0);
   return ends;
 }
 
@@ -181,7 +182,8 @@ class Reader {
   using Found = std::optional<std::size_t>;
 
   void skip() {
-    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos)
+    while (at_ < text_.size() &&
+           std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos)
       ++at_;
   }
   bool takes(std::string_view token) {
@@ -234,7 +236,8 @@ class Reader {
     Found left = chain(rank + 1, deep);
     while (left) {
       const auto& operators = ranks()[rank];
-      const auto found = std::ranges::find_if(operators, [&](const Operator& one) { return takes(one.token); });
+      const auto found =
+          std::ranges::find_if(operators, [&](const Operator& one) { return takes(one.token); });
       if (found == operators.end()) break;
       const Found right = chain(rank + 1, deep);
       if (!right) return std::nullopt;
@@ -298,8 +301,7 @@ class Reader {
   Found call(const std::string& name, int deep) {
     const auto function = std::ranges::find(kFunctions, name, &Function::name);
     if (function == kFunctions.end()) return std::nullopt;
-    Node node{.kind = Kind::Call,
-              .which = static_cast<std::size_t>(function - kFunctions.begin())};
+    Node node{.kind = Kind::Call, .which = static_cast<std::size_t>(function - kFunctions.begin())};
     do {
       const Found argument = choice(deep + 1);
       if (!argument) return std::nullopt;
@@ -328,10 +330,7 @@ bool stands_still(const FormulaLine& line) {
 std::optional<FormulaTree> FormulaTree::read(const std::string& text,
                                              const std::map<std::string, double>& constants,
                                              const std::vector<std::string>& own) {
-  std::map<std::string, double> all = constants;
-  all.emplace("_pi", 3.141592653589793238462643);
-  all.emplace("_e", 2.718281828459045235360287);
-  auto nodes = Reader(text, all, own).read();
+  auto nodes = Reader(text, constants, own).read();
   if (!nodes) return std::nullopt;
   FormulaTree tree;
   tree.nodes_ = std::move(*nodes);
@@ -397,9 +396,7 @@ FormulaLine FormulaTree::over(const FormulaRanges& ranges) const {
       case Kind::Variable: line = ranges.variables[node.which]; break;
       case Kind::Own: line = ranges.own[node.which]; break;
       case Kind::Minus: line = {-child(0).at, -child(0).slope}; break;
-      case Kind::Add:
-        line = {child(0).at + child(1).at, child(0).slope + child(1).slope};
-        break;
+      case Kind::Add: line = {child(0).at + child(1).at, child(0).slope + child(1).slope}; break;
       case Kind::Subtract:
         line = {child(0).at - child(1).at, child(0).slope - child(1).slope};
         break;
@@ -424,10 +421,10 @@ FormulaLine FormulaTree::over(const FormulaRanges& ranges) const {
       case Kind::Or: {
         const Interval a = flat(child(0));
         const Interval b = flat(child(1));
-        line = still(node.kind == Kind::And
-                         ? truth(may_be_zero(a) || may_be_zero(b), may_be_other(a) && may_be_other(b))
-                         : truth(may_be_zero(a) && may_be_zero(b),
-                                 may_be_other(a) || may_be_other(b)));
+        line = still(
+            node.kind == Kind::And
+                ? truth(may_be_zero(a) || may_be_zero(b), may_be_other(a) && may_be_other(b))
+                : truth(may_be_zero(a) && may_be_zero(b), may_be_other(a) || may_be_other(b)));
         break;
       }
       case Kind::Choose: line = choose(node); break;

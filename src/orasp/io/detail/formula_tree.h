@@ -24,7 +24,7 @@ class FormulaTree {
  public:
   static constexpr int kMostDeep = 100;
 
-  /// Nothing where the text is not understood.
+  /// Nothing where the text is not understood. `constants` are all that a formula may name.
   [[nodiscard]] static std::optional<FormulaTree> read(
       const std::string& text, const std::map<std::string, double>& constants,
       const std::vector<std::string>& own);

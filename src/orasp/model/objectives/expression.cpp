@@ -211,8 +211,8 @@ class ExpressionTerm : public ObjectiveTerm {
   const Expression& expression_;
   const detail::ProblemTotals& totals_;
   std::unique_ptr<Formula> formula_;
-  std::vector<std::size_t> used_;    ///< those of totals_.own_numbers that the formula names
-  mutable std::vector<double> own_;  ///< three for each of totals_.own_numbers
+  std::vector<std::size_t> used_;         ///< those of totals_.own_numbers that the formula names
+  mutable std::vector<double> own_;       ///< three for each of totals_.own_numbers
   mutable std::vector<NumberSums> sums_;  ///< by number, filled when asked for
   mutable std::optional<double> farthest_;
   /// Of a formula of sizes alone: the values met so far, NaN before; at ((moved + kept)^2 / 4 +

@@ -159,8 +159,9 @@ class ObjectiveTerm {
   /// known.
   [[nodiscard]] virtual FormulaLine reward_over(const PlaceQuestion& question) const {
     const FormulaLine& before = question.before;
-    const double most = before.at.greatest + std::max(before.slope.greatest * question.time.least,
-                                                      before.slope.greatest * question.time.greatest);
+    const double most =
+        before.at.greatest + std::max(before.slope.greatest * question.time.least,
+                                      before.slope.greatest * question.time.greatest);
     const RewardRange known = range({.connection = question.connection,
                                      .duration = question.duration.greatest,
                                      .most_before = most,

@@ -53,7 +53,8 @@ class RetriedTerm : public ObjectiveTerm {
   [[nodiscard]] FormulaLine reward_over(const PlaceQuestion& question) const override {
     FormulaLine once = once_->reward_over(question);
     const double attempts = attempts_[question.connection];
-    for (double* const value : {&once.at.least, &once.at.greatest, &once.slope.least, &once.slope.greatest})
+    for (double* const value :
+         {&once.at.least, &once.at.greatest, &once.slope.least, &once.slope.greatest})
       *value *= attempts;
     return once;
   }

@@ -290,9 +290,8 @@ class OrderSearch::Order {
         const std::uint32_t second = steps_[j];
         const double more = value(first, j) + value(second, i) - value(first, i) - value(second, j);
         if (!(more > 1e-9 * scale_) || !std::isfinite(more)) continue;
-        const bool waits = std::ranges::any_of(values_.waits_for[second], [&](std::uint32_t other) {
-          return place_[other] >= i;
-        });
+        const bool waits = std::ranges::any_of(
+            values_.waits_for[second], [&](std::uint32_t other) { return place_[other] >= i; });
         if (waits) continue;
         saved_ = steps_;
         std::swap(steps_[i], steps_[j]);
@@ -352,8 +351,7 @@ std::vector<std::uint32_t> OrderSearch::numbered(const Result& result) const {
   const std::vector<ConnectionIndex>& named = prices_->values().steps;
   std::vector<std::uint32_t> steps;
   for (const ConnectionIndex c : result.sequence)
-    steps.push_back(
-        static_cast<std::uint32_t>(std::ranges::lower_bound(named, c) - named.begin()));
+    steps.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(named, c) - named.begin()));
   return steps;
 }
 
@@ -395,7 +393,7 @@ bool OrderSearch::improve_unguarded(const Budget& budget, std::uint64_t rounds, 
 }
 
 bool OrderSearch::improve_guarded(const Budget& budget, std::uint64_t rounds, Result& result) {
-  constexpr std::uint64_t kMostSteps = 40'000;
+  constexpr std::uint64_t kMostSteps = 60'000;
   bool better = false;
   SplitMix64 random(1);
   Walk walk(system_, expander_, prices_->values(), budget, kMostSteps);
