@@ -100,18 +100,36 @@ void WideBound::set_steps(const TransitionSystem& system) {
   }
   // Ranges of single terms, which know nothing of goals and of what a step takes.
   const std::size_t connections = system.num_connections();
+  const bool assembly = problem.direction() == Direction::Assembly;
+  const ConnectionSet there = system.present(system.start().view());
+  for (ConnectionIndex c = 0; c < connections; ++c) {
+    const double duration = problem.connections()[c].duration;
+    if (there.contains(c) == assembly) seconds_of_start_ += duration;
+    if (system.start().contains(c)) all_seconds_ += duration;
+  }
+  std::vector<unsigned char> along_line(rules.terms.size(), 0);
+  for (std::size_t i = 0; i < rules.terms.size() && !by_part_; ++i)
+    along_line[i] = add_line_of_seconds(rules.terms[i]) ? 1 : 0;
+  for (ConnectionIndex c = 0; c < by_second_.size(); ++c) {
+    if (by_second_[c] < 0) falling_.push_back(c);
+  }
+  std::ranges::stable_sort(falling_, {}, [&](ConnectionIndex c) {
+    const double duration = problem.connections()[c].duration;
+    return duration > 0 ? by_second_[c] / duration : -kInfinity;
+  });
   last_surplus_ = connections == 0 ? 0.0 : -kInfinity;
   for (ConnectionIndex c = 0; c < connections; ++c) {
     RewardRange inside{0, 0};
     RewardRange last{0, 0};
-    for (const WeightedTerm& addend : rules.terms) {
-      if (addend.weight == 0 || addend.term->sees.looks_back) continue;
+    for (std::size_t i = 0; i < rules.terms.size(); ++i) {
+      const WeightedTerm& addend = rules.terms[i];
+      if (addend.weight == 0 || addend.term->sees.looks_back || along_line[i] != 0) continue;
       RangeQuestion question{.connection = c,
                              .duration = problem.connections()[c].duration,
                              .most_before = static_cast<double>(connections),
                              .completes = false};
       const auto add = [&](RewardRange& sum) {
-        const RewardRange range = addend.term->range(question);
+        const RewardRange range = range_of(addend, question);
         sum.greatest += addend.weight * (addend.weight > 0 ? range.greatest : range.least);
       };
       add(inside);
@@ -133,7 +151,7 @@ void WideBound::set_steps(const TransitionSystem& system) {
     if (addend.weight == 0 || addend.term->sees.looks_back) continue;
     RangeQuestion question{.most_before = static_cast<double>(connections)};
     const auto greatest = [&] {
-      const RewardRange range = addend.term->range(question);
+      const RewardRange range = range_of(addend, question);
       return addend.weight * (addend.weight > 0 ? range.greatest : range.least);
     };
     if (const SizeCosts* const costs = addend.term->size_costs()) {
@@ -156,6 +174,69 @@ void WideBound::set_steps(const TransitionSystem& system) {
   known_ = std::isfinite(most) && std::isfinite(completing);
   most_of_step_ = most;
   last_surplus_ = completing;
+}
+
+// What a step earns by a term: its range, or, of a formula, what that yields whatever else holds.
+RewardRange WideBound::range_of(const WeightedTerm& addend, const RangeQuestion& question) const {
+  const RewardRange range = addend.term->range(question);
+  if (std::isfinite(addend.weight > 0 ? range.greatest : range.least)) return range;
+  const auto connections = static_cast<double>(system_.num_connections());
+  PlaceQuestion asked;
+  asked.connection = question.connection;
+  asked.several = by_part_;
+  asked.duration = {question.duration, by_part_ ? all_seconds_ : question.duration};
+  asked.before = {{0, connections}, {0, 0}};
+  asked.after = {{0, connections}, {0, 0}};
+  asked.elapsed = {{seconds_of_start_, seconds_of_start_ + all_seconds_}, {0, 0}};
+  asked.completes = question.completes;
+  RewardRange all{kInfinity, -kInfinity};
+  for (const bool separates : {false, true}) {
+    asked.separates = separates;
+    const Interval one = addend.term->reward_over(asked).at;
+    all = {std::min(all.least, one.least), std::max(all.greatest, one.greatest)};
+  }
+  return all;
+}
+
+// Adds the term to at_ and by_second_, if its reward lies below lines in the time that has passed.
+bool WideBound::add_line_of_seconds(const WeightedTerm& addend) {
+  const TermSight& sees = addend.term->sees;
+  if (addend.weight == 0 || sees.looks_back || !sees.elapsed || sees.by_place) return false;
+  const Problem& problem = system_.problem();
+  const auto connections = static_cast<double>(problem.num_connections());
+  std::vector<double> at(problem.num_connections(), -kInfinity);
+  std::vector<double> slope(problem.num_connections(), 0);
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    const double duration = problem.connections()[c].duration;
+    PlaceQuestion asked;
+    asked.connection = c;
+    asked.duration = {duration, duration};
+    asked.before = {{0, connections}, {0, 0}};
+    asked.after = {{0, connections}, {0, 0}};
+    asked.elapsed = {{0, 0}, {1, 1}};
+    asked.time = {seconds_of_start_, seconds_of_start_ + all_seconds_};
+    for (const bool separates : {false, true}) {
+      for (const bool completes : {false, true}) {
+        asked.separates = separates;
+        asked.completes = completes;
+        const FormulaLine line = addend.term->reward_over(asked);
+        if (line.slope.least != line.slope.greatest) return false;
+        const double mine = addend.weight * line.slope.least;
+        if (at[c] != -kInfinity && mine != slope[c]) return false;
+        slope[c] = mine;
+        at[c] =
+            std::max(at[c], addend.weight * (addend.weight > 0 ? line.at.greatest : line.at.least));
+      }
+    }
+    if (!std::isfinite(at[c]) || !std::isfinite(slope[c])) return false;
+  }
+  at_.resize(at.size(), 0.0);
+  by_second_.resize(at.size(), 0.0);
+  for (std::size_t c = 0; c < at.size(); ++c) {
+    at_[c] += at[c];
+    by_second_[c] += slope[c];
+  }
+  return true;
 }
 
 void WideBound::set_terms(const TransitionSystem& system) {
@@ -245,12 +326,35 @@ double WideBound::of_steps(SetView open) {
   if (plain_bound_) return (*plain_bound_)(open);
   double sum = 0;
   bool any_must = false;
+  const Problem& problem = system_.problem();
+  // Along falling lines it is now at the earliest; along others at the end, at best.
+  double now = seconds_of_start_;
+  if (!at_.empty()) {
+    for_each_connection(system_.start().view(), [&](ConnectionIndex c) {
+      if (!contains(open, c)) now += problem.connections()[c].duration;
+    });
+  }
   for_each_connection(open, [&](ConnectionIndex c) {
     const bool must = contains(must_, c);
     any_must = any_must || must;
-    sum += must && !by_part_ ? greatest_[c] : std::max(0.0, greatest_[c]);
-    if (must && by_part_) sum += std::min(0.0, greatest_[c]);
+    double most = greatest_[c];
+    if (!at_.empty()) {
+      const double slope = by_second_[c];
+      most += at_[c];
+      if (slope > 0) {
+        most += slope * (seconds_of_start_ + all_seconds_ - problem.connections()[c].duration);
+      } else if (!must) {
+        most += slope * now;
+      }
+    }
+    sum += must && !by_part_ ? most : std::max(0.0, most);
+    if (must && by_part_) sum += std::min(0.0, most);
   });
+  for (const ConnectionIndex c : falling_) {
+    if (!contains(open, c) || !contains(must_, c)) continue;
+    sum += by_second_[c] * now;
+    now += problem.connections()[c].duration;
+  }
   if (by_part_) {
     // At least one step, if any, and no more than there are pieces to come.
     const detail::Rules& rules = system_.rules();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "orasp/bounds/bound.h"
+#include "orasp/model/objectives/objective_term.h"
 #include "orasp/model/transition_system.h"
 
 namespace orasp {
@@ -17,6 +18,10 @@ namespace orasp {
 ///               those that look back, where plans handle everything one by one; else each
 ///               connection that must still be handled earns at most its greatest reward, each
 ///               other one that or nothing.
+///             * Formulas: what they yield over all values of their variables (RangedFormula). Where
+///               steps handle one connection and a formula falls along a line in `elapsed`, what
+///               must still be handled comes at best in the order of Smith's rule, from the time on
+///               that has passed; whatever else is handled only makes it later.
 ///             * `changeover`: each value of an attribute that must still come is entered at least
 ///               once. The cheapest way to enter all of them, from the one in force, is worked out
 ///               for every set of up to kMostValues values (Held and Karp 1962); beyond, each is
@@ -29,11 +34,11 @@ namespace orasp {
 /// Guarantee.  Admissible and consistent: each part is the exact answer to a question with fewer
 ///             rules, and a step answers a part of it. The bound by values is exact where nothing
 ///             rules the order of the steps.
-/// Reference.  Held and Karp (1962), SIAM J. 10(1), 196-210, and (1970), Operations Research 18(6),
+/// Reference.  Smith (1956), Naval Research Logistics Quarterly 3, 59-66; Held and Karp (1962), SIAM J. 10(1), 196-210, and (1970), Operations Research 18(6),
 ///             1138-1162; Prim (1957), Bell System Technical
 ///             Journal 36(6), 1389-1401.
 /// Cost.       O(connections + values * words + places^2) a state.
-/// Limit.      Not known where a step may earn any amount (formulas, functions).
+/// Limit.      Not known where a step may earn any amount (functions, formulas without a range).
 class WideBound {
  public:
   static constexpr std::size_t kMostValues = 12;
@@ -52,6 +57,9 @@ class WideBound {
   struct Way;
   void set_steps(const TransitionSystem& system);
   void set_terms(const TransitionSystem& system);
+  [[nodiscard]] bool add_line_of_seconds(const WeightedTerm& addend);
+  [[nodiscard]] RewardRange range_of(const WeightedTerm& addend,
+                                     const RangeQuestion& question) const;
   [[nodiscard]] double of_steps(SetView open);
   [[nodiscard]] double of_changes(const Changes& changes, SetView state) const;
   [[nodiscard]] double of_way(const Way& way, SetView state);
@@ -73,6 +81,14 @@ class WideBound {
   double most_of_step_ = 0;
   bool by_part_ = false;
   bool may_stop_ = false;
+  /// What terms earn that go along lines in seconds: by connection, at the start of time and for
+  /// each second. Empty where there are none.
+  std::vector<double> at_;
+  std::vector<double> by_second_;
+  /// The connections whose line falls, by Smith's rule.
+  std::vector<ConnectionIndex> falling_;
+  double seconds_of_start_ = 0;      ///< what had passed at the start
+  double all_seconds_ = 0;           ///< what all open connections last
   std::vector<std::uint64_t> must_;  ///< the connections that every plan handles
   std::vector<Changes> changes_;
   std::vector<Way> ways_;

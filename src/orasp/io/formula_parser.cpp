@@ -1,6 +1,8 @@
 #include "orasp/io/formula_parser.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -9,8 +11,12 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
+#include "orasp/io/detail/formula_tree.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/error.h"
+#include "orasp/model/formula_range.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
 
 namespace orasp {
 namespace {
@@ -99,11 +105,11 @@ std::string explained(const mu::ParserBase& parser, const std::string& text,
   return fmt::format("{} at character {}", message, position + 1);
 }
 
-class MuParserFormula final : public Formula {
+class MuParserFormula final : public RangedFormula {
  public:
   MuParserFormula(const std::string& text, const std::map<std::string, double>& constants,
                   const std::vector<std::string>& own)
-      : own_(own.size(), 0.0) {
+      : text_(text), own_names_(own), own_(own.size(), 0.0) {
     for (std::size_t i = 0; i < own.size(); ++i) parser_.DefineVar(own[i], &own_[i]);
     for (const FormulaVariable& variable : kFormulaVariables) {
       parser_.DefineVar(std::string(variable.name), &(variables_.*variable.value));
@@ -145,8 +151,56 @@ class MuParserFormula final : public Formula {
     }
   }
   [[nodiscard]] bool uses(std::string_view name) const override { return used_.contains(name); }
+  [[nodiscard]] FormulaLine over(const FormulaRanges& ranges) override {
+    if (!read_) {
+      read_ = true;
+      tree_ = detail::FormulaTree::read(
+          text_, {parser_.GetConst().begin(), parser_.GetConst().end()}, own_names_);
+      if (tree_ && !agrees(*tree_)) tree_.reset();
+    }
+    if (!tree_) return {{-kInfinity, kInfinity}, {0, 0}};
+    return tree_->over(ranges);
+  }
 
  private:
+  /// Whether the tree is the formula that muParser read: both yield the same for numbers drawn by
+  /// chance. Nothing is claimed of a formula otherwise.
+  [[nodiscard]] bool agrees(const detail::FormulaTree& tree) {
+    constexpr int kTrials = 64;
+    SplitMix64 random(1);
+    const auto draw = [&] {
+      return random.below(2) == 0 ? static_cast<double>(random.below(4)) : 20 * random.uniform();
+    };
+    const auto still = [](double x) { return FormulaLine{{x, x}, {0, 0}}; };
+    std::vector<double> own(own_names_.size());
+    std::vector<FormulaLine> own_lines(own.size());
+    for (int trial = 0; trial < kTrials; ++trial) {
+      FormulaVariables variables;
+      FormulaRanges ranges;
+      for (std::size_t i = 0; i < kFormulaVariables.size(); ++i) {
+        variables.*kFormulaVariables[i].value = draw();
+        ranges.variables[i] = still(variables.*kFormulaVariables[i].value);
+      }
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        own[i] = draw();
+        own_lines[i] = still(own[i]);
+      }
+      variables.own = own;
+      ranges.own = own_lines;
+      const double mine = tree.over(ranges).at.least;
+      const double theirs = value(variables);
+      if (std::isfinite(mine) && std::isfinite(theirs) &&
+          std::abs(mine - theirs) > 1e-9 * std::max(1.0, std::abs(theirs)))
+        return false;
+    }
+    return true;
+  }
+
+  std::string text_;
+  std::vector<std::string> own_names_;
+  /// What is known of its values; read when somebody asks.
+  bool read_ = false;
+  std::optional<detail::FormulaTree> tree_;
   std::set<std::string, std::less<>> used_;
   // The parser holds pointers into these two.
   FormulaVariables variables_;

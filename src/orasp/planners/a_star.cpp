@@ -9,6 +9,7 @@
 #include "orasp/containers/state_table.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/order_search.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
@@ -189,7 +190,12 @@ Result searched(const TransitionSystem& system, const AStarOptions& options, con
   if (result.stop != Stop::None) {
     const std::optional<double> most = result.bound;
     result = detail::stopped_with_quick_plan(system, "a-star", result.stop, result.statistics);
+    const StartByPlaces by_places = start_by_places(*bound);
     result.bound = most;
+    if (by_places.prices && most) {
+      detail::OrderSearch(system, by_places.prices).improve(budget, 1, result);
+      result.bound = std::max(result.reward, std::min(*most, by_places.most));
+    }
   } else if (result.status != Status::Optimal) {
     result = detail::exhausted("a-star", result.statistics);
   }

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/order_search.h"
+#include "orasp/planners/detail/step_in_front.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
@@ -31,9 +34,16 @@ class BeamSearch {
         proved_(options.most) {
     for (Worker& worker : workers_) {
       worker.expander = std::make_unique<Expander>(system);
-      worker.bound = make_bound(system, options.bound);
+      worker.bound = make_bound(system, options.bound, workers_.front().bound.get());
     }
     bounded_ = workers_.front().bound->known();
+    const StartByPlaces by_places = start_by_places(*workers_.front().bound);
+    proved_ = std::min(proved_, by_places.most);
+    for (Worker& worker : workers_) {
+      if (by_places.prices && detail::StepInFront::applies(system, *by_places.prices))
+        worker.in_front = std::make_unique<detail::StepInFront>(system, by_places.prices);
+    }
+    if (by_places.prices) orders_ = std::make_unique<detail::OrderSearch>(system, by_places.prices);
   }
 
   [[nodiscard]] bool bounded() const { return bounded_; }
@@ -42,12 +52,14 @@ class BeamSearch {
     const double most = bounded_ ? (*workers_.front().bound)(system_.start().view()) : kInfinity;
     tick_ = kRewardTolerance * (std::isfinite(most) ? std::max(1.0, std::abs(most)) : 1.0);
     proved_ = std::min(proved_, most);
+    improve_order();
     done_ = meets_bound();
     for (std::size_t width = 1; !done_ && result_.stop == Stop::None; width *= 2) {
       ++result_.statistics.sweeps;
       const double left_out = pass(width);
       if (result_.stop != Stop::None) break;
       proved_ = std::min(proved_, std::max(left_out, result_.reward));
+      if (left_out > -kInfinity && !meets_bound()) improve_order();
       done_ = left_out == -kInfinity || meets_bound();
     }
     if (std::isfinite(proved_)) result_.bound = proved_;
@@ -59,6 +71,13 @@ class BeamSearch {
   [[nodiscard]] bool done() const { return done_; }
 
  private:
+  // Where rewards depend on when steps come, moves the steps of a new plan about.
+  void improve_order() {
+    if (!orders_ || result_.reward == improved_) return;
+    orders_->improve(budget_, kOrderRounds, result_);
+    improved_ = result_.reward;
+  }
+
   /// A state of the next layer: the state `parent` of this layer less `connection`.
   struct Candidate {
     double promise;
@@ -90,6 +109,8 @@ class BeamSearch {
   struct Worker {
     std::unique_ptr<Expander> expander;
     std::unique_ptr<Bound> bound;
+    /// Where what a step earns depends on when it comes and on nothing else.
+    std::unique_ptr<detail::StepInFront> in_front;
     std::vector<Candidate> found;
     std::vector<double> rests;
     std::uint64_t expanded = 0;
@@ -200,7 +221,12 @@ class BeamSearch {
       ++worker.expanded;
       worker.rests.assign(legal.size(), 0);
       if (bounded_) worker.bound->of_successors(open, layer_.rests[i], legal, worker.rests);
+      std::optional<ConnectionIndex> alone;
+      if (worker.in_front && result_.has_plan())
+        alone = worker.in_front->find(open, legal,
+                                      layer_.rewards[i] + layer_.rests[i] - result_.reward);
       for (std::size_t a = 0; a < legal.size(); ++a) {
+        if (alone && legal[a].connection != *alone) continue;
         const double reward = layer_.rewards[i] + legal[a].reward;
         const double promise = reward + worker.rests[a];
         ++worker.generated;
@@ -326,6 +352,9 @@ class BeamSearch {
                     .best = result_.reward});
   }
 
+  /// How often a new plan is improved.
+  static constexpr std::uint64_t kOrderRounds = 300;
+
   const TransitionSystem& system_;
   const Budget& budget_;
   std::size_t words_;
@@ -334,6 +363,9 @@ class BeamSearch {
   std::vector<Worker> workers_;
   bool bounded_ = false;
   bool done_ = false;
+  /// Where rewards depend on when steps come; and the reward of the last plan that it improved.
+  std::unique_ptr<detail::OrderSearch> orders_;
+  double improved_ = kInfinity;
   /// Promises that differ by less than this are equal.
   double tick_ = 1;
   /// The least upper bound on any plan that was proved.

@@ -23,7 +23,9 @@ struct BeamOptions {
 ///             The width doubles from pass to pass. A state that cannot beat the best plan found is
 ///             left out for good; one that finds no room is not, and the greatest promise among
 ///             those is a bound on what the pass has not seen. Equal promises are ordered by a hash
-///             of the state, another in each pass.
+///             of the state, another in each pass. Where rewards depend on when steps come, the
+///             steps of each new plan are moved about (detail/order_search.h), and where one step
+///             alone need be followed, no other is (detail/step_in_front.h).
 /// Reference.  Zhang (1998), Complete anytime beam search, AAAI; Libralesso, Bouhassoun, Cambazard
 ///             and Jost (2020), Tree search for the sequential ordering problem, ECAI; Kuroiwa and
 ///             Beck (2023), Solving domain-independent dynamic programming problems with anytime

@@ -26,25 +26,14 @@ constexpr double kLarger = 1;
 constexpr double kCuts = -1.5;
 constexpr double kCutsSingle = -4.5;
 
-/// The greatest reward of a step that can do no harm: see find_order().
-double harmless(const Problem& problem) {
-  // A connection that another one needs must not go early.
-  if (std::ranges::any_of(problem.precedence(), [](const PrecedenceClause& clause) {
-        return !clause.made_after_any.empty();
-      }))
-    return -kInfinity;
-  const Limits& limits = problem.limits();
-  const bool blocking =
-      std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
-  if (!blocking && !limits.any()) return 0;
-  // A base part that is taken off leaves pieces that then move.
-  if (problem.spec().base.size() > 1) return -kInfinity;
-  const bool equal_masses = std::ranges::all_of(
-      problem.parts(), [&](const Part& part) { return part.mass == problem.parts().front().mass; });
-  if (limits.max_moved_mass && !equal_masses) return -kInfinity;
-  const bool counts =
-      limits.max_subassemblies && *limits.max_subassemblies < problem.num_parts() / 2;
-  return counts ? kCutsSingle : kCuts;
+/// The greatest reward of a step that can do no harm.
+double greatest_of_harmless(const Problem& problem) {
+  switch (harmless_steps(problem)) {
+    case Harmless::SingleCuts: return kCutsSingle;
+    case Harmless::Cuts: return kCuts;
+    case Harmless::All: return 0;
+    default: return -kInfinity;
+  }
 }
 
 /// Puts actions into an order in which a plan is soon met: first those of a part that may leave its
@@ -106,7 +95,7 @@ Feasibility search(const TransitionSystem& system, const Budget& budget) {
     found.expanded = result.statistics.expanded;
     return found;
   }
-  const double threshold = harmless(system.problem());
+  const double threshold = greatest_of_harmless(system.problem());
   const ConnectionSet none(system.num_connections());
   std::optional<PartsFirst> parts_first;  // often nothing asks for it
   Result result = detail::depth_first_search(
@@ -145,6 +134,26 @@ Problem prepared(ProblemSpec spec) {
 }
 
 }  // namespace
+
+Harmless harmless_steps(const Problem& problem) {
+  // A connection that another one needs must not go early.
+  if (std::ranges::any_of(problem.precedence(), [](const PrecedenceClause& clause) {
+        return !clause.made_after_any.empty();
+      }))
+    return Harmless::None;
+  const Limits& limits = problem.limits();
+  const bool blocking =
+      std::ranges::any_of(problem.blockers(), [](const auto& list) { return !list.empty(); });
+  if (!blocking && !limits.any()) return Harmless::All;
+  // A base part that is taken off leaves pieces that then move.
+  if (problem.spec().base.size() > 1) return Harmless::None;
+  const bool equal_masses = std::ranges::all_of(
+      problem.parts(), [&](const Part& part) { return part.mass == problem.parts().front().mass; });
+  if (limits.max_moved_mass && !equal_masses) return Harmless::None;
+  const bool counts =
+      limits.max_subassemblies && *limits.max_subassemblies < problem.num_parts() / 2;
+  return counts ? Harmless::SingleCuts : Harmless::Cuts;
+}
 
 Feasibility find_order(const Problem& problem, const ConnectionSet& from, const ConnectionSet& to,
                        const Budget& budget) {

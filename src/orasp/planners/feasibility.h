@@ -51,6 +51,17 @@ struct Feasibility {
 [[nodiscard]] Feasibility find_order(const Problem& problem, const ConnectionSet& from,
                                      const ConnectionSet& to, const Budget& budget);
 
+/// The legal steps of a state that do no harm when they are made at once, whatever plan one had in
+/// mind: with the step in front, the rest of the plan stays legal.
+enum class Harmless {
+  None,        ///< none is known to be
+  SingleCuts,  ///< those that cut off a single part
+  Cuts,        ///< those that cut a piece
+  All
+};
+/// What find_order() says about the steps of a problem that is taken apart, proved there.
+[[nodiscard]] Harmless harmless_steps(const Problem& problem);
+
 /// The same for a whole problem: whether a plan exists. A start with too many subassemblies has
 /// none.
 /// @throws InputError as the constructor of Problem.

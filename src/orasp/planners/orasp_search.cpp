@@ -8,6 +8,7 @@
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/order_search.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
@@ -188,6 +189,9 @@ class OraspSearch {
   detail::GrowingArray<double> best_;
 };
 
+/// How often the first plan is improved, where rewards depend on when steps come.
+constexpr std::uint64_t kOrderRounds = 20;
+
 Result searched(const TransitionSystem& system, const OraspSearchOptions& options,
                 const Budget& budget) {
   if (auto result = detail::infeasible_at_once(system, "orasp-search")) return *result;
@@ -207,6 +211,9 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
     result =
         detail::stopped_with_quick_plan(system, "orasp-search", result.stop, result.statistics);
   } else if (result.status == Status::Feasible) {
+    const StartByPlaces by_places = start_by_places(*bound);
+    if (by_places.prices)
+      detail::OrderSearch(system, by_places.prices).improve(budget, kOrderRounds, result);
     if (system.words() == 1) {
       OraspSearch<1>(system, *bound, budget, result).run();
     } else {
@@ -215,6 +222,8 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
     if (result.stop == Stop::None) {
       result.status = Status::Optimal;
       result.bound = result.reward;
+    } else if (result.bound) {
+      result.bound = std::max(result.reward, std::min(*result.bound, by_places.most));
     }
   }
   result.seed = options.seed;

@@ -21,7 +21,8 @@ struct OraspSearchOptions {
 /// Finds an optimal plan by the paper's ORASP Search: depth-first branch and bound that generates H
 /// as it goes.
 ///
-/// Idea.       A random legal sequence is the first incumbent. The search expands recursively, best
+/// Idea.       A random legal sequence is the first incumbent; where rewards depend on when steps
+///             come, its steps are moved about first (detail/order_search.h). The search expands recursively, best
 ///             promise first (reward plus bound; with the paper's bound: best reward first); a
 ///             branch is abandoned as soon as its running reward plus a proved upper bound on what
 ///             is left cannot beat the incumbent, and so is a state met again no better than
@@ -34,9 +35,9 @@ struct OraspSearchOptions {
 ///             a state met.
 /// Limit.      The table must fit in budget.max_bytes; stopped there it keeps the incumbent.
 /// Repeatable. Seeded; ties go to the lowest connection.
-/// @throws InputError where the bound knows nothing about the problem (an `expression` that sees
-/// more than the
-///         piece, or a callable without a range): the sentence names the methods that need none.
+/// @throws InputError where the bound knows nothing about the problem (a callable without a range,
+///         an `expression` that may yield any number): the sentence names the methods that need
+///         none.
 [[nodiscard]] Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                                   const Budget& budget);
 

@@ -143,7 +143,7 @@ std::optional<double> bound_of_start(const TransitionSystem& system) {
   if (!system.takes_apart() && !system.ordered()) return bound_of_start(system.backwards());
   const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
   if (!bound->known()) return std::nullopt;
-  const double most = (*bound)(system.start().view());
+  const double most = std::min((*bound)(system.start().view()), start_by_places(*bound).most);
   return std::isfinite(most) ? std::optional(most) : std::nullopt;
 }
 

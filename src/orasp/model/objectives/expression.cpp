@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -11,6 +13,7 @@
 
 #include "orasp/model/detail/step_variables.h"
 #include "orasp/model/detail/wording.h"
+#include "orasp/model/formula_range.h"
 #include "orasp/model/objectives/objective_kind.h"
 #include "orasp/model/tolerance.h"
 
@@ -22,6 +25,13 @@ using detail::in_quotes;
 /// A formula of sizes alone is looked up in a table of its values up to this many parts (two values
 /// for each pair of sizes).
 constexpr std::size_t kMostPartsInTable = 2048;
+
+/// The place of a variable in kFormulaVariables.
+consteval std::size_t number_of_variable(std::string_view name) {
+  std::size_t i = 0;
+  while (kFormulaVariables[i].name != name) ++i;
+  return i;
+}
 
 /// The names of the user's own numbers, as formulas know them.
 std::vector<std::string> own_names(const std::vector<std::string>& numbers) {
@@ -55,6 +65,7 @@ class ExpressionTerm : public ObjectiveTerm {
       own_of_pieces = own_of_pieces || of_pieces;
     }
     sees.elapsed = uses("elapsed");
+    sees.by_place = uses("before") || uses("after");
     sees.piece_only = !uses("before") && !uses("after") && !uses("subassemblies") && !sees.elapsed;
     sees.gain_by_connection = sees.gain_by_connection || uses("duration") || uses("index");
     sees.gain_by_sizes = sees.piece_only && !sees.gain_by_connection && !uses("moved_mass") &&
@@ -73,6 +84,16 @@ class ExpressionTerm : public ObjectiveTerm {
     FormulaVariables variables = detail::variables_of(facts, movement, pieces, expression_.depot);
     if (!used_.empty()) variables.own = own_numbers(facts, movement, pieces);
     return pieces.checked(formula_->value(variables), facts);
+  }
+  [[nodiscard]] FormulaLine reward_over(const PlaceQuestion& question) const override {
+    auto* const formula = dynamic_cast<RangedFormula*>(formula_.get());
+    if (formula == nullptr) return {{-kInfinity, kInfinity}, {0, 0}};
+    FormulaRanges ranges;
+    ranges.time = question.time;
+    std::vector<FormulaLine> own(own_.size());
+    set_ranges(question, ranges, own);
+    ranges.own = own;
+    return formula->over(ranges);
   }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const override {
@@ -93,6 +114,79 @@ class ExpressionTerm : public ObjectiveTerm {
                                                     const detail::StepPieces& pieces) const {
     for (const std::size_t i : used_) detail::own_numbers_of(facts, movement, pieces, i, own_);
     return own_;
+  }
+
+  /// What the variables may be of a step of which no more is known than the question says.
+  void set_ranges(const PlaceQuestion& question, FormulaRanges& ranges,
+                  std::vector<FormulaLine>& own) const {
+    const auto set = [&](std::size_t variable, double least, double greatest) {
+      ranges.variables[variable] = {{least, greatest}, {0, 0}};
+    };
+    ranges.variables[number_of_variable("before")] = question.before;
+    ranges.variables[number_of_variable("after")] = question.after;
+    ranges.variables[number_of_variable("elapsed")] = question.elapsed;
+    const double completes = question.completes ? 1 : 0;
+    set(number_of_variable("completes"), completes, completes);
+    set(number_of_variable("duration"), question.duration.least, question.duration.greatest);
+    set(number_of_variable("index"), question.connection, question.connection);
+    // Each subassembly holds a connection that is present.
+    const double slope = question.after.slope.greatest;
+    const double present = question.after.at.greatest +
+                           std::max(slope * question.time.least, slope * question.time.greatest);
+    const auto parts = static_cast<double>(totals_.problem.num_parts());
+    set(number_of_variable("subassemblies"), 0,
+        std::max(0.0, std::min(present, std::floor(parts / 2))));
+    const double known = totals_.moves_by_size ? 1 : 0;
+    if (question.separates) {
+      // Sums of masses and positions are rounded.
+      constexpr double kRounding = 1 + 1e-12;
+      const double mass = totals_.total_mass * kRounding;
+      set(number_of_variable("separates"), 1, 1);
+      set(number_of_variable("moved_parts"), known,
+          totals_.moves_by_size ? std::floor(parts / 2) : parts);
+      set(number_of_variable("kept_parts"), known, parts);
+      set(number_of_variable("moved_mass"), 0, mass);
+      set(number_of_variable("kept_mass"), 0, mass);
+      set(number_of_variable("distance"), 0, farthest() * kRounding);
+    }
+    for (const std::size_t i : used_) {
+      const NumberSums& sums = sums_of(i);
+      const double value = sums.of_connection[question.connection];
+      own[3 * i] = {question.several ? sums.of_connections : Interval{value, value}, {0, 0}};
+      if (question.separates) own[3 * i + 1] = own[3 * i + 2] = {sums.of_parts, {0, 0}};
+    }
+  }
+  [[nodiscard]] double farthest() const {
+    if (!farthest_) farthest_ = totals_.farthest(expression_.depot);
+    return *farthest_;
+  }
+
+  /// What a number of the user's own may add up to.
+  struct NumberSums {
+    std::vector<double> of_connection;
+    Interval of_connections;  ///< of any of them
+    Interval of_parts;        ///< of any parts
+  };
+  [[nodiscard]] const NumberSums& sums_of(std::size_t number) const {
+    sums_.resize(totals_.own_numbers.size());
+    NumberSums& sums = sums_[number];
+    const Problem& problem = totals_.problem;
+    if (!sums.of_connection.empty()) return sums;
+    const auto stated = [&](const std::map<std::string, double>& numbers, Interval& sum) {
+      const auto found = numbers.find(totals_.own_numbers[number]);
+      const double value = found == numbers.end() ? 0 : found->second;
+      (value < 0 ? sum.least : sum.greatest) += value;
+      return value;
+    };
+    for (const Connection& connection : problem.spec().connections)
+      sums.of_connection.push_back(stated(connection.numbers, sums.of_connections));
+    for (const Part& part : problem.spec().parts) (void)stated(part.numbers, sums.of_parts);
+    for (Interval* const sum : {&sums.of_connections, &sums.of_parts}) {
+      const double rounding = 1e-12 * (sum->greatest - sum->least);
+      sum->least -= rounding;
+      sum->greatest += rounding;
+    }
+    return sums;
   }
 
   /// From the table, which is a hundred times quicker than the formula.
@@ -117,8 +211,10 @@ class ExpressionTerm : public ObjectiveTerm {
   const Expression& expression_;
   const detail::ProblemTotals& totals_;
   std::unique_ptr<Formula> formula_;
-  std::vector<std::size_t> used_;    ///< those of totals_.own_numbers that the formula names
-  mutable std::vector<double> own_;  ///< three for each of totals_.own_numbers
+  std::vector<std::size_t> used_;         ///< those of totals_.own_numbers that the formula names
+  mutable std::vector<double> own_;       ///< three for each of totals_.own_numbers
+  mutable std::vector<NumberSums> sums_;  ///< by number, filled when asked for
+  mutable std::optional<double> farthest_;
   /// Of a formula of sizes alone: the values met so far, NaN before; at ((moved + kept)^2 / 4 +
   /// moved) * 2 + completes.
   mutable std::vector<double> table_;

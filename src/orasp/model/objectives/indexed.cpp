@@ -11,7 +11,7 @@ namespace {
 
 class IndexedTerm : public ObjectiveTerm {
  public:
-  IndexedTerm() { sees.counting = sees.order_only = true; }
+  IndexedTerm() { sees.counting = sees.order_only = sees.by_place = true; }
 
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,
                               const detail::StepPieces& pieces) const override {
@@ -25,6 +25,17 @@ class IndexedTerm : public ObjectiveTerm {
   [[nodiscard]] RewardRange range(const RangeQuestion& question) const override {
     const double most = question.most_before;
     return {-1, question.connection < most - 1 ? most - question.connection : -1.0};
+  }
+  [[nodiscard]] FormulaLine reward_over(const PlaceQuestion& question) const override {
+    const double slope = question.before.slope.greatest;
+    const double least = question.before.at.least +
+                         std::min(slope * question.time.least, slope * question.time.greatest);
+    const double most = question.before.at.greatest +
+                        std::max(slope * question.time.least, slope * question.time.greatest);
+    const RewardRange all = range({.connection = question.connection, .most_before = most});
+    const double index = question.connection;
+    // Beyond the bend it grows with what is present.
+    return {{index < least - 1 ? least - index : -1.0, all.greatest}, {0, 0}};
   }
 };
 

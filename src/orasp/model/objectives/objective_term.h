@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
@@ -12,6 +13,7 @@
 
 #include "orasp/model/detail/problem_totals.h"
 #include "orasp/model/detail/step_pieces.h"
+#include "orasp/model/formula_range.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 
@@ -42,6 +44,8 @@ struct TermSight {
   bool starting_pieces = false;
   /// On how long the steps before took.
   bool elapsed = false;
+  /// On how many connections are present.
+  bool by_place = false;
   /// On what the steps before left behind (detail::StepMemory), which is then part of a state.
   bool looks_back = false;
   /// `range` depends on which connection it is, beyond its duration and its place.
@@ -71,6 +75,20 @@ struct RangeQuestion {
   ConnectionIndex connection = 0;
   double duration = 0;     ///< s, of the connection
   double most_before = 0;  ///< the most connections that may be present before the step
+  bool completes = false;
+};
+
+/// A question for what a step may earn of which it is known when it comes: time is how many steps
+/// came before, or how long they took.
+struct PlaceQuestion {
+  ConnectionIndex connection = 0;
+  Interval duration;       ///< s, of all that the step handles
+  bool several = false;    ///< it may handle more than `connection`
+  FormulaLine before;      ///< connections present before the step
+  FormulaLine after;       ///< and after it
+  FormulaLine elapsed;     ///< s, of all that was handled before
+  Interval time;           ///< all times at which the step may come
+  bool separates = false;  ///< whether it separates
   bool completes = false;
 };
 
@@ -134,6 +152,21 @@ class ObjectiveTerm {
   [[nodiscard]] virtual RewardRange range(const RangeQuestion& question) const {
     static_cast<void>(question);
     return {-kInfinity, kInfinity};
+  }
+
+  /// A line in time that the reward of every such step lies on, whatever else holds; where it lies
+  /// on none, the slope is 0 and `at` the range for all times. By default nothing but `range` is
+  /// known.
+  [[nodiscard]] virtual FormulaLine reward_over(const PlaceQuestion& question) const {
+    const FormulaLine& before = question.before;
+    const double most =
+        before.at.greatest + std::max(before.slope.greatest * question.time.least,
+                                      before.slope.greatest * question.time.greatest);
+    const RewardRange known = range({.connection = question.connection,
+                                     .duration = question.duration.greatest,
+                                     .most_before = most,
+                                     .completes = question.completes});
+    return {{known.least, known.greatest}, {0, 0}};
   }
 
   /// What each second that a step lasts earns it, beyond what `range` says of a connection without

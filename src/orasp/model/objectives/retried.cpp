@@ -53,6 +53,14 @@ class RetriedTerm : public ObjectiveTerm {
     const double attempts = attempts_[question.connection];
     return {attempts * once.least, attempts * once.greatest};
   }
+  [[nodiscard]] FormulaLine reward_over(const PlaceQuestion& question) const override {
+    FormulaLine once = once_->reward_over(question);
+    const double attempts = attempts_[question.connection];
+    for (double* const value :
+         {&once.at.least, &once.at.greatest, &once.slope.least, &once.slope.greatest})
+      *value *= attempts;
+    return once;
+  }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const override {
     return most_of(weight, once_->greatest_gain(weight, moved, kept));
