@@ -523,7 +523,8 @@ TEST(Uncertain, WhereFailuresChangeNothingEveryMethodAnswers) {
 }
 
 TEST(Uncertain, WhatStandsInTheWayIsSaidOfTheObjectiveThatIsStated) {
-  const Problem problem = chain({R"(, "success": 0.5)"}).with_objective(unbounded_formula());
+  const Problem problem =
+      chain({R"(, "success": 0.5)", "", ""}).with_objective(unbounded_formula());
   EXPECT_EQ(fault_of([&] { return solve(problem, "a-star"); }),
             "a-star needs a bound on what a step can earn, and none is known for the objective "
             "'expression'; use auto, value-iteration, dijkstra or bellman-ford");
