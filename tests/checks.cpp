@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "orasp/io/formula_parser.h"
+#include "orasp/model/random.h"
 #include "orasp/model/validate.h"
 
 namespace orasp {
@@ -78,6 +80,22 @@ void expect_same_answer(const Result& one, const Result& other) {
   EXPECT_EQ(one.statistics.reopened, other.statistics.reopened);
   EXPECT_EQ(one.statistics.pruned, other.statistics.pruned);
   EXPECT_EQ(one.statistics.sweeps, other.statistics.sweeps);
+}
+
+Objective chance_objective() {
+  Callable callable;
+  callable.name = "chance";
+  callable.least = 0;
+  callable.greatest = 1;
+  callable.reward = [](const Step& step) {
+    return static_cast<double>(mixed(1000 * step.connection + step.before) % 1000) / 1000;
+  };
+  return {"callable", callable};
+}
+
+Objective unbounded_formula() {
+  return {"expression",
+          Expression{.formula = "before*tan(moved_parts)/100", .compiler = compile_formula}};
 }
 
 bool range_is_known(const Objective& objective) {

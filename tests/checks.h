@@ -36,6 +36,13 @@ void expect_honest(const Problem& problem, const oracle::OracleResult& truth,
 /// Two runs answered the same: everything but times and sizes.
 void expect_same_answer(const Result& one, const Result& other);
 
+/// An objective under which no bound is strong, so that no search is done at once: each step earns
+/// between 0 and 1, by chance of its connection and of how many are present.
+[[nodiscard]] Objective chance_objective();
+
+/// A formula of finite values that nothing is known of but by trying.
+[[nodiscard]] Objective unbounded_formula();
+
 /// Whether reward_range() can know a bound: no expression and no callable without a range in the
 /// objective.
 [[nodiscard]] bool range_is_known(const Objective& objective);

@@ -81,7 +81,7 @@ class Stopping(Case):
             self.assertLessEqual({path.name for path in self.folder.iterdir()}, {"plan.json", "page.html"})
 
     def test_compare_and_sample_print_what_they_have(self):
-        process = self.start("compare", "4brick", "iss", "--methods", "greedy,orasp-search", "--objective", "indexed", "--json")
+        process = self.start("compare", "grid:2x2", "grid:5x5", "--methods", "greedy,orasp-search", "--objective", "travel", "--json")
         time.sleep(1)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=20)
@@ -147,12 +147,14 @@ class Stopping(Case):
         libraries = subprocess.run(["ldd", PROGRAM], capture_output=True, text=True).stdout
         if re.search("lib[at]san", libraries):
             self.skipTest("a sanitizer needs memory of its own")
+        unbounded = self.folder / "unbounded.json"
+        unbounded.write_text('{"type": "expression", "formula": "before*tan(moved_parts)"}', encoding="utf-8")
         # The whole process may hold 20 MiB more at any moment. How soon a method gets there tells how large the limit is.
         for method, limit, words in [("orasp-search", 50, ["iss", "--bound", "none"]),
-                                     ("a-star", 200, ["grid:5x5", "--objective", "indexed"]),
+                                     ("a-star", 200, ["grid:5x5", "--objective", "travel"]),
                                      ("a-star", 200, ["grid:10x10", "--objective", "time"]),
-                                     ("beam", 60, ["grid:4x4", "--objective", "indexed"]),
-                                     ("auto", 40, ["grid:5x5", "--objective", "indexed"])]:
+                                     ("beam", 60, ["grid:4x4", "--objective", "travel"]),
+                                     ("auto", 40, ["grid:5x5", "--objective", str(unbounded)])]:
             with self.subTest(method=method, words=words):
                 code = ("import resource, subprocess, sys; code = subprocess.run(sys.argv[1:]).returncode; "
                         "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(code)")

@@ -169,8 +169,7 @@ TEST(Automatic, ProvesTheSpaceStationAndTheTelescopeByTheBoundOverSizes) {
 }
 
 TEST(Automatic, GivesAPlanAndABoundWhereItIsStopped) {
-  const Problem problem =
-      load_scenario("random:60:120:5").with_objective(Objective::named("indexed"));
+  const Problem problem = load_scenario("random:60:120:5").with_objective(chance_objective());
   const Result result = solve(problem, "auto", {}, Budget::with_time_limit(0.2));
   EXPECT_EQ(result.status, Status::Feasible);
   EXPECT_EQ(result.stop, Stop::TimeLimit);

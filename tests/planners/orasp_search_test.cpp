@@ -75,7 +75,7 @@ TEST(OraspSearch, GivesATrueBoundWhereverItIsStopped) {
 
 TEST(OraspSearch, SaysWhichMethodsNeedNoBound) {
   ProblemSpec spec = instances::greedy_trap();
-  spec.objective = random_objective("expression", 1);
+  spec.objective = unbounded_formula();
   const Problem problem(spec);
   const TransitionSystem system(problem);
   EXPECT_THROW((void)orasp_search(system, {}, Budget{}), Refusal);

@@ -523,7 +523,9 @@ TEST(Uncertain, WhereFailuresChangeNothingEveryMethodAnswers) {
 }
 
 TEST(Uncertain, WhatStandsInTheWayIsSaidOfTheObjectiveThatIsStated) {
-  EXPECT_EQ(fault_of([&] { return solve(chain({R"(, "success": 0.5)"}), "a-star"); }),
+  const Problem problem =
+      chain({R"(, "success": 0.5)", "", ""}).with_objective(unbounded_formula());
+  EXPECT_EQ(fault_of([&] { return solve(problem, "a-star"); }),
             "a-star needs a bound on what a step can earn, and none is known for the objective "
             "'expression'; use auto, value-iteration, dijkstra or bellman-ford");
 }

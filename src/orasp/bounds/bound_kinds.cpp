@@ -59,15 +59,6 @@ std::optional<Objective> of_pieces(const Objective& objective,
     if (kept.terms.empty()) return std::nullopt;
     return Objective{objective.type, std::move(kept)};
   }
-  if (const auto* const retried = std::get_if<Retried>(&objective.parameters)) {
-    Retried kept{.attempts = retried->attempts, .objective = {}};
-    for (const WeightedObjective& once : retried->objective) {
-      if (auto part = of_pieces(once.objective, totals))
-        kept.objective.push_back({once.weight, std::move(*part)});
-    }
-    if (kept.objective.empty()) return std::nullopt;
-    return Objective{objective.type, std::move(kept)};
-  }
   std::vector<WeightedTerm> terms;
   kind_of(objective).add_terms(objective.parameters, 1, totals, terms);
   const bool pieces_only = std::ranges::all_of(

@@ -17,21 +17,22 @@ namespace orasp {
 /// of pairs (i before j):
 ///
 ///     h = sum over O of a(c)  +  the most that any order of O makes of sum s(c) t(c), from T on
-///         - sum over pairs with both open of p takes(i)  -  sum over pairs with j alone open of p T
+///         - sum over pairs with both open of p takes(i)
+///         - sum over pairs with j alone open of p T
 ///
 /// and with places: sum over O of u(c) + sum of v(k) over the places to come, less the same.
 ///
 /// Admissible. Each pair adds p (t(j) - t(i) - takes(i)) >= 0 to what a plan earns, or, once i is
 ///             done, p (t(j) - T) >= 0; the rest bounds every order, legal or not.
-/// Consistent. A legal step of c at T earns at most a(c) + s'(c) T, s' without prices, or u(c) + v(k)
-///             without. The order that begins with c is one of those over which the maximum goes.
-///             All pairs that end in c have their first done, so that T was paid for them; those
-///             that begin in c go over from takes(c) to T + takes(c), as its slope says; and for all
-///             other pairs T only grows.
+/// Consistent. A legal step of c at T earns at most a(c) + s'(c) T, s' without prices, or u(c) +
+///             v(k) without. The order that begins with c is one of those over which the maximum
+///             goes. All pairs that end in c have their first done, so that T was paid for them;
+///             those that begin in c go over from takes(c) to T + takes(c), as its slope says; and
+///             for all other pairs T only grows.
 /// Limit.      The bound is infinite where the reward of some connection has no greatest value:
 ///             functions without a range, formulas that interval arithmetic does not bound.
-/// Cost.       Once: some thousand sorts, or hundreds of assignments, O(connections^3) each. A state:
-///             O(connections + pairs); a step from there O(pairs of its connection).
+/// Cost.       Once: some thousand sorts, or hundreds of assignments, O(connections^3) each. A
+///             state: O(connections + pairs); a step from there O(pairs of its connection).
 class PlaceBound final : public Bound {
  public:
   PlaceBound(const TransitionSystem& system, PlacePrices::Terms terms);

@@ -15,9 +15,9 @@ namespace orasp {
 ///          steps before (`before`, `after`) or how long they took (`elapsed`). Without precedence
 ///          the best order is by s over the time that the step takes: W. E. Smith (1956).
 /// Places.  Anything else: a table of the greatest reward of c at place k, and the best assignment
-///          of connections to places, with its dual prices u(c) + v(k) >= reward(c, k): Kuhn (1955),
-///          Jonker and Volgenant (1987). A place is possible for c if as many others come before it
-///          as precedence asks for, and after it.
+///          of connections to places, with its dual prices u(c) + v(k) >= reward(c, k): Kuhn
+///          (1955), Jonker and Volgenant (1987). A place is possible for c if as many others come
+///          before it as precedence asks for, and after it.
 ///
 /// Precedence is paid for by prices as well (Fisher 1981; van de Velde 1995): where i must come
 /// before j, t(j) - t(i) - takes(i) >= 0, so a price times that may be added to what a plan earns,

@@ -18,10 +18,10 @@ namespace orasp {
 ///               those that look back, where plans handle everything one by one; else each
 ///               connection that must still be handled earns at most its greatest reward, each
 ///               other one that or nothing.
-///             * Formulas: what they yield over all values of their variables (RangedFormula). Where
-///               steps handle one connection and a formula falls along a line in `elapsed`, what
-///               must still be handled comes at best in the order of Smith's rule, from the time on
-///               that has passed; whatever else is handled only makes it later.
+///             * Formulas: what they yield over all values of their variables (RangedFormula).
+///               Where steps handle one connection and a formula falls along a line in `elapsed`,
+///               what must still be handled comes at best in the order of Smith's rule, from the
+///               time on that has passed; whatever else is handled only makes it later.
 ///             * `changeover`: each value of an attribute that must still come is entered at least
 ///               once. The cheapest way to enter all of them, from the one in force, is worked out
 ///               for every set of up to kMostValues values (Held and Karp 1962); beyond, each is
@@ -34,9 +34,9 @@ namespace orasp {
 /// Guarantee.  Admissible and consistent: each part is the exact answer to a question with fewer
 ///             rules, and a step answers a part of it. The bound by values is exact where nothing
 ///             rules the order of the steps.
-/// Reference.  Smith (1956), Naval Research Logistics Quarterly 3, 59-66; Held and Karp (1962), SIAM J. 10(1), 196-210, and (1970), Operations Research 18(6),
-///             1138-1162; Prim (1957), Bell System Technical
-///             Journal 36(6), 1389-1401.
+/// Reference.  Smith (1956), Naval Research Logistics Quarterly 3, 59-66; Held and Karp (1962),
+///             SIAM J. 10(1), 196-210, and (1970), Operations Research 18(6), 1138-1162; Prim
+///             (1957), Bell System Technical Journal 36(6), 1389-1401.
 /// Cost.       O(connections + values * words + places^2) a state.
 /// Limit.      Not known where a step may earn any amount (functions, formulas without a range).
 class WideBound {

@@ -22,11 +22,11 @@ struct OraspSearchOptions {
 /// as it goes.
 ///
 /// Idea.       A random legal sequence is the first incumbent; where rewards depend on when steps
-///             come, its steps are moved about first (detail/order_search.h). The search expands recursively, best
-///             promise first (reward plus bound; with the paper's bound: best reward first); a
-///             branch is abandoned as soon as its running reward plus a proved upper bound on what
-///             is left cannot beat the incumbent, and so is a state met again no better than
-///             before. A better complete sequence becomes the incumbent.
+///             come, its steps are moved about first (detail/order_search.h). The search expands
+///             recursively, best promise first (reward plus bound; with the paper's bound: best
+///             reward first); a branch is abandoned as soon as its running reward plus a proved
+///             upper bound on what is left cannot beat the incumbent, and so is a state met again
+///             no better than before. A better complete sequence becomes the incumbent.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
 ///             bound is 0). Rewards above zero, and stronger bounds: bounds/bound_kinds.h.
 /// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more

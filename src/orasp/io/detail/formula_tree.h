@@ -17,7 +17,8 @@ namespace orasp::detail {
 ///
 /// Guarantee. The value of the formula lies on the line that `over` tells, for all values of the
 ///            variables in the ranges, but for rounding of the last digits. The tree is read by the
-///            precedence of muParser's operators; whoever makes one compares values with muParser's.
+///            precedence of muParser's operators; whoever makes one compares values with
+///            muParser's.
 /// Limit.     A name that stands several times counts as several numbers, which may make ranges
 ///            wider than they are. Nesting beyond kMostDeep is not read.
 class FormulaTree {

@@ -13,13 +13,14 @@ namespace orasp::detail {
 
 /// Improves plans whose rewards depend on when steps come, by moving steps about.
 ///
-/// Idea.       A step, together with those right after it that wait for it, goes on to a later place
-///             (or, with those that it waits for, to an earlier one), or two steps change places,
-///             where that earns more by what is known of each step at each place (PlacePrices::Values) and
-///             precedence allows it. What comes of it is walked through with the rules: it counts if
-///             it is legal and earns more. Where rules judge steps beyond plain precedence, each
-///             move is walked through, from its first step to its last. Once no move helps, a few steps are moved at random and
-///             all begins anew from there, on and on.
+/// Idea.       A step, together with those right after it that wait for it, goes on to a later
+///             place (or, with those that it waits for, to an earlier one), or two steps change
+///             places, where that earns more by what is known of each step at each place
+///             (PlacePrices::Values) and precedence allows it. What comes of it is walked through
+///             with the rules: it counts if it is legal and earns more. Where rules judge steps
+///             beyond plain precedence, each move is walked through, from its first step to its
+///             last. Once no move helps, a few steps are moved at random and all begins anew from
+///             there, on and on.
 /// Reference.  Lin and Kernighan (1973) for exchanges as long as they help; Lourenço, Martin and
 ///             Stützle (2003) for beginning anew close by.
 /// Guarantee.  The plan is legal and none that earns less than the one given.

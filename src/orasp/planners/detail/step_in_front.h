@@ -16,14 +16,14 @@ namespace orasp::detail {
 /// Finds states from which one step alone need be followed, where what a step earns is told by when
 /// it comes.
 ///
-/// Idea.       Let c be a legal step that does no harm (harmless_steps), and p a plan from here that
-///             earns more than one known already. Put c in front: p stays legal, c comes at once
-///             instead of at its place m, and all before m come one place later. If that never earns
-///             less, whatever p is, no other step need be looked at. Which places the steps of p may
-///             have is told by the slack of the assignment: one that costs more than a plan may fall
-///             short of the bound is none of them.
-/// Guarantee.  If there is a plan that earns more than the one known, there is one that begins so and
-///             earns no less.
+/// Idea.       Let c be a legal step that does no harm (harmless_steps), and p a plan from here
+///             that earns more than one known already. Put c in front: p stays legal, c comes at
+///             once instead of at its place m, and all before m come one place later. If that never
+///             earns less, whatever p is, no other step need be looked at. Which places the steps
+///             of p may have is told by the slack of the assignment: one that costs more than a
+///             plan may fall short of the bound is none of them.
+/// Guarantee.  If there is a plan that earns more than the one known, there is one that begins so
+///             and earns no less.
 /// Cost.       O(open connections * places to come) a state, and a look at its pieces.
 class StepInFront {
  public:
