@@ -1,6 +1,7 @@
 #include "orasp/bounds/piece_bound.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -193,6 +194,13 @@ void PieceBound::of_successors(SetView open, double here, std::span<const Action
     const std::span<const PartIndex> all(piece);
     bounds[i] += of_piece(all.first(a)) + of_piece(all.subspan(a)) - of_piece(all);
   }
+}
+
+bool PieceBound::single_part_is_best(std::size_t parts) const {
+  if (!sizes_ || parts < 2) return true;
+  const double best = gains_.by_size(parts);
+  return gains_.gain(1, parts - 1) + gains_.by_size(parts - 1) >=
+         best - kRewardTolerance * std::max(1.0, std::abs(gains_.gain(1, parts - 1)));
 }
 
 void PieceBound::add_change(SetView open, std::span<Action> actions) {

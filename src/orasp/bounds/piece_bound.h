@@ -26,7 +26,7 @@ namespace orasp {
 ///             state before it, the start. Its bound is the greatest, over its legal steps, of what
 ///             the step earns and the bound of the state that it leads to.
 /// Limit.      The bound is infinite where the objective sees more than the piece, where steps make
-///             connections, and beyond PieceGains::kMostParts.
+///             connections, and where PieceGains knows none of the two.
 /// Cost.       O(parts^2) once, O(parts + connections) a state.
 class PieceBound final : public Bound {
  public:
@@ -42,6 +42,9 @@ class PieceBound final : public Bound {
   /// Adds to the reward of each action the change of the bound that the action brings: minus what a
   /// plan loses at least by it, and 0 for the actions that keep the bound within reach.
   void add_change(SetView open, std::span<Action> actions);
+  /// Whether the bound by sizes lets no cut of a piece of so many parts gain more than one that
+  /// takes a single part off; true where there is no such bound.
+  [[nodiscard]] bool single_part_is_best(std::size_t parts) const;
 
  private:
   struct Scratch;
