@@ -52,6 +52,8 @@ class PieceBound final : public Bound {
   [[nodiscard]] double of_piece(std::span<const PartIndex> piece) const;
   [[nodiscard]] double of_last_piece(std::span<const PartIndex> piece) const;
   double measure_units(SetView open);
+  void of_successors_by_runs(double here, std::span<const Action> actions,
+                             std::span<double> bounds);
   void of_successors_with_units(SetView open, double here, std::span<const Action> actions,
                                 std::span<double> bounds);
 

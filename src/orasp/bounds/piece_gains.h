@@ -102,6 +102,7 @@ class PieceGains {
   [[nodiscard]] double by_parts(std::span<const PartIndex> piece) const {
     return prices_.bound(piece, units_);
   }
+  [[nodiscard]] const PiecePrices& prices() const { return prices_; }
 
  private:
   static constexpr std::size_t kMostPartsWithArms = 512;

@@ -142,6 +142,8 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
       return findings.answer(Stop::None,
                              "the plan earns as much as the bound on its pieces allows");
   }
+  if (!findings.best().has_plan() && system.num_connections() > detail::kManyConnections)
+    findings.add(detail::peeled_plan(system));
   // Piece by piece, a short look.
   const bool by_pieces = !and_or_obstacle(system);
   bool pieces_ended = !by_pieces;

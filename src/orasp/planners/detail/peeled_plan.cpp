@@ -5,9 +5,11 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "orasp/model/detail/rules.h"
+#include "orasp/model/error.h"
 #include "orasp/model/plan_check.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
@@ -31,7 +33,8 @@ bool applies(const TransitionSystem& system) {
 /// own. A node is called after one of its parts.
 class Nodes {
  public:
-  explicit Nodes(const TransitionSystem& system)
+  /// `open`: what is still to be handled.
+  Nodes(const TransitionSystem& system, const ConnectionSet& open)
       : problem_(system.problem()), name_(problem_.num_parts()), around_(problem_.num_parts()) {
     std::iota(name_.begin(), name_.end(), PartIndex{0});
     if (!system.kept().empty()) {
@@ -41,7 +44,7 @@ class Nodes {
                                               name_[part] = unit.front();
                                           });
     }
-    for_each_connection(system.start().view(), [&](ConnectionIndex c) {
+    for_each_connection(open.view(), [&](ConnectionIndex c) {
       const PartIndex a = name_[problem_.ends(c)[0]];
       const PartIndex b = name_[problem_.ends(c)[1]];
       around_[a].push_back(c);
@@ -122,14 +125,19 @@ class Trees {
 
  private:
   const Nodes& nodes_;
-  std::vector<PartIndex> above_;     ///< by node: the one above it in the tree
-  std::vector<std::size_t> round_;   ///< by node: the last walk that reached it
+  std::vector<PartIndex> above_;    ///< by node: the one above it in the tree
+  std::vector<std::size_t> round_;  ///< by node: the last walk that reached it
   std::size_t rounds_ = 0;
 };
 
 /// What is taken off, in this order, and what is then still there.
 struct Peeled {
   explicit Peeled(const ConnectionSet& start) : left(start) {}
+  void take(ConnectionIndex c) {
+    left.erase(c);
+    order.push_back(c);
+  }
+
   std::vector<ConnectionIndex> order;
   ConnectionSet left;
 };
@@ -139,9 +147,7 @@ void peel(const Nodes& nodes, std::span<const PartIndex> preorder, std::size_t k
           Peeled& peeled) {
   for (std::size_t i = preorder.size(); i-- > std::min(keep, preorder.size());) {
     for (const ConnectionIndex c : nodes.around(preorder[i])) {
-      if (!peeled.left.contains(c)) continue;
-      peeled.left.erase(c);
-      peeled.order.push_back(c);
+      if (peeled.left.contains(c)) peeled.take(c);
     }
   }
 }
@@ -163,11 +169,27 @@ std::vector<double> gains_of_moving(const TransitionSystem& system) {
   return gains;
 }
 
+/// Takes the step by which the bound falls least, where the first step completes and so is worth
+/// more than others.
+void take_best_first_step(const TransitionSystem& system, PieceBound& bound, Peeled& peeled) {
+  Expander expander(system);
+  const auto legal = expander.legal_actions(system.start().view());
+  if (legal.empty()) return;
+  std::vector<Action> scored(legal.begin(), legal.end());
+  bound.add_change(system.start().view(), scored);
+  peeled.take(std::ranges::max_element(scored, {}, &Action::reward)->connection);
+}
+
 /// A plan, if the order obeys the rules.
 std::optional<Result> checked(const TransitionSystem& system, std::vector<ConnectionIndex> order) {
   const bool backwards = system.completes_first();
   if (backwards) std::ranges::reverse(order);
-  const PlanCheck check = check_plan(system.problem(), system.situation(), order);
+  PlanCheck check;
+  try {
+    check = check_plan(system.problem(), system.situation(), order);
+  } catch (const InputError&) {
+    return std::nullopt;  // a formula without a value for one of the steps
+  }
   if (!check.legal) return std::nullopt;
   if (backwards) std::ranges::reverse(order);
   Result result;
@@ -177,71 +199,99 @@ std::optional<Result> checked(const TransitionSystem& system, std::vector<Connec
   return result;
 }
 
+/// What both plans begin with, and the pieces that are then to be peeled.
+struct Beginning {
+  /// `bound`: null where the first step is like any other.
+  Beginning(const TransitionSystem& system, PieceBound* bound)
+      : peeled(begun(system, bound)), nodes(system, peeled.left), trees(nodes) {
+    std::vector<unsigned char> seen(nodes.size(), 0);
+    for (PartIndex part = 0; part < nodes.size(); ++part) {
+      if (!nodes.is_node(part) || seen[part] != 0) continue;
+      std::vector<PartIndex> piece = trees.by_distance(part);
+      for (const PartIndex node : piece) {
+        seen[node] = 1;
+        for (const ConnectionIndex c : nodes.around(node)) {
+          if (nodes.beyond(node, c) == node && peeled.left.contains(c)) peeled.take(c);
+        }
+      }
+      if (piece.size() > 1) pieces.push_back(std::move(piece));
+    }
+  }
+
+  static Peeled begun(const TransitionSystem& system, PieceBound* bound) {
+    Peeled peeled(system.start());
+    if (bound != nullptr && system.completes_first()) take_best_first_step(system, *bound, peeled);
+    return peeled;
+  }
+
+  Peeled peeled;  ///< what holds nothing goes first
+  Nodes nodes;
+  Trees trees;
+  std::vector<std::vector<PartIndex>> pieces;  ///< those of several nodes
+};
+
+/// The plan that ends with what costs most to move.
+std::optional<Result> plan_to_costliest(const TransitionSystem& system, Beginning& beginning) {
+  const std::vector<double> gains = gains_of_moving(system);
+  Peeled peeled = beginning.peeled;
+  for (const std::vector<PartIndex>& piece : beginning.pieces) {
+    const PartIndex root =
+        *std::ranges::min_element(piece, {}, [&](PartIndex node) { return gains[node]; });
+    Trees& trees = beginning.trees;
+    peel(beginning.nodes, trees.preorder(trees.by_distance(root)), 1, peeled);
+  }
+  return checked(system, std::move(peeled.order));
+}
+
+/// The plan that leaves small pieces to the search; empty where that finds none.
+std::optional<Result> plan_to_small_pieces(const TransitionSystem& system, PieceBound& bound,
+                                           Beginning& beginning, const Budget& budget,
+                                           Statistics& statistics) {
+  const std::size_t keep =
+      std::max<std::size_t>(1, least_peeled(bound, system.problem().num_parts()));
+  if (keep > kMostLeft || beginning.pieces.size() > kMostPieces) return std::nullopt;
+  Peeled peeled = beginning.peeled;
+  for (const std::vector<PartIndex>& piece : beginning.pieces) {
+    Trees& trees = beginning.trees;
+    const PartIndex end = trees.by_distance(piece.front()).back();
+    peel(beginning.nodes, trees.preorder(trees.by_distance(end)), keep, peeled);
+  }
+  if (!peeled.left.empty()) {
+    Budget some = budget;
+    some.max_expansions = std::min(budget.max_expansions, kMostStates);
+    const Result rest = rest_at_bound(system, bound, peeled.left, some);
+    statistics.expanded += rest.statistics.expanded;
+    if (!rest.has_plan()) return std::nullopt;
+    peeled.order.insert(peeled.order.end(), rest.sequence.begin(), rest.sequence.end());
+  }
+  return checked(system, std::move(peeled.order));
+}
+
 }  // namespace
 
 Result peeled_plan(const TransitionSystem& system, PieceBound& bound, const Budget& budget) {
   Result best;
   if (!applies(system)) return best;
-  const Nodes nodes(system);
-  Trees trees(nodes);
-  std::vector<std::vector<PartIndex>> pieces;  // those of several nodes
-  std::vector<unsigned char> seen(nodes.size(), 0);
-  Peeled in_nodes(system.start());  // what holds nothing goes first
-  for (PartIndex part = 0; part < nodes.size(); ++part) {
-    if (!nodes.is_node(part) || seen[part] != 0) continue;
-    std::vector<PartIndex> piece = trees.by_distance(part);
-    for (const PartIndex node : piece) {
-      seen[node] = 1;
-      for (const ConnectionIndex c : nodes.around(node)) {
-        if (nodes.beyond(node, c) != node || !in_nodes.left.contains(c)) continue;
-        in_nodes.left.erase(c);
-        in_nodes.order.push_back(c);
-      }
-    }
-    if (piece.size() > 1) pieces.push_back(std::move(piece));
-  }
-
+  Beginning beginning(system, &bound);
   const double most = bound(system.start().view());
-  const auto offer = [&](std::vector<ConnectionIndex> order) {
-    best.statistics.expanded += order.size();
-    std::optional<Result> plan = checked(system, std::move(order));
+  const auto offer = [&](std::optional<Result> plan) {
+    best.statistics.expanded += system.num_steps();
     if (!plan || plan->reward <= best.reward) return;
     plan->statistics = best.statistics;
     best = std::move(*plan);
   };
-
-  // The one that leaves small pieces to the search.
-  const std::size_t keep = std::max<std::size_t>(1, least_peeled(bound, nodes.size()));
-  if (keep <= kMostLeft && pieces.size() <= kMostPieces) {
-    Peeled peeled = in_nodes;
-    for (const std::vector<PartIndex>& piece : pieces) {
-      const PartIndex end = trees.by_distance(piece.front()).back();
-      peel(nodes, trees.preorder(trees.by_distance(end)), keep, peeled);
-    }
-    Result rest;
-    if (!peeled.left.empty()) {
-      Budget some = budget;
-      some.max_expansions = std::min(budget.max_expansions, kMostStates);
-      rest = rest_at_bound(system, bound, peeled.left, some);
-      best.statistics.expanded += rest.statistics.expanded;
-    }
-    if (peeled.left.empty() || rest.has_plan()) {
-      peeled.order.insert(peeled.order.end(), rest.sequence.begin(), rest.sequence.end());
-      offer(std::move(peeled.order));
-    }
-  }
-  if (best.has_plan() && meets(best.reward, most)) return best;
-
-  // The one that ends with what costs most to move.
-  const std::vector<double> gains = gains_of_moving(system);
-  Peeled peeled = in_nodes;
-  for (const std::vector<PartIndex>& piece : pieces) {
-    const PartIndex root =
-        *std::ranges::min_element(piece, {}, [&](PartIndex node) { return gains[node]; });
-    peel(nodes, trees.preorder(trees.by_distance(root)), 1, peeled);
-  }
-  offer(std::move(peeled.order));
+  offer(plan_to_small_pieces(system, bound, beginning, budget, best.statistics));
+  if (!meets(best.reward, most)) offer(plan_to_costliest(system, beginning));
   return best;
+}
+
+Result peeled_plan(const TransitionSystem& system) {
+  Result result;
+  if (!applies(system) || system.calls_out()) return result;
+  Beginning beginning(system, nullptr);
+  if (auto plan = plan_to_costliest(system, beginning)) result = std::move(*plan);
+  result.statistics.expanded = system.num_steps();
+  return result;
 }
 
 }  // namespace orasp::detail

@@ -34,5 +34,8 @@ namespace orasp::detail {
 ///             pieces.
 [[nodiscard]] Result peeled_plan(const TransitionSystem& system, PieceBound& bound,
                                  const Budget& budget);
+/// The first of the two alone, where no bound is at hand, and not where a formula or a function of
+/// the user works out rewards.
+[[nodiscard]] Result peeled_plan(const TransitionSystem& system);
 
 }  // namespace orasp::detail
