@@ -14,6 +14,7 @@
 #include "cli/output/fleet_table.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
+#include "orasp/model/plan_moves.h"
 #include "orasp/model/validate.h"
 
 namespace orasp::cli {
@@ -141,7 +142,8 @@ std::string fleet_objective_text(const Problem& problem, const Result& result) {
 
 std::string steps_of_one_robot(const Task& task, const Result& result, const Context& context) {
   const TransitionSystem system(task.problem, task.situation);
-  const Evaluation evaluation = evaluate(system, result);
+  const Evaluation evaluation =
+      result.steps.empty() ? evaluate_moves(system, result.sequence) : evaluate(system, result);
   if (evaluation.steps.empty() && !task.problem.spec().goal) return {};
   std::string text;
   if (result.expectation) text += course_text(task.problem, *result.expectation, context.width());

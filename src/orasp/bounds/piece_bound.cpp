@@ -1,6 +1,8 @@
 #include "orasp/bounds/piece_bound.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -165,6 +167,64 @@ double PieceBound::operator()(SetView open) {
   return sum + gains_.surplus_of_last_pair();
 }
 
+// By prices alone a cut of S into A and B changes the bound by
+//
+//     min(S) - min(A) - min(B)  =  -max(min(A), min(B)),
+//
+// where min() is the least price of a side. In preorder one side is a run and the other what stands
+// around it, so all cuts together take O(parts log parts), not O(parts) each.
+void PieceBound::of_successors_by_runs(double here, std::span<const Action> actions,
+                                       std::span<double> bounds) {
+  const detail::Connectivity& connectivity = scratch_->connectivity;
+  const std::size_t parts = scratch_->graph.num_parts();
+  std::vector<std::size_t> place(parts, parts);  // by part: where it stands in its piece's run
+  std::vector<std::size_t> piece(parts, 0);      // by part: its piece's number
+  /// The least prices of a piece: of 2^k parts from each place on, up to a place, and from one on.
+  struct LeastPrices {
+    std::vector<std::vector<double>> of_run;
+    std::vector<double> up_to;
+    std::vector<double> from;
+  };
+  std::vector<LeastPrices> pieces;
+  const auto add_piece = [&](std::span<const PartIndex> run) {
+    LeastPrices& least = pieces.emplace_back();
+    const std::size_t n = run.size();
+    least.of_run.emplace_back(n);
+    least.up_to.assign(n + 1, kInfinity);
+    least.from.assign(n + 1, kInfinity);
+    for (std::size_t i = 0; i < n; ++i) {
+      place[run[i]] = i;
+      piece[run[i]] = pieces.size() - 1;
+      least.of_run[0][i] = gains_.prices().price(run[i]);
+      least.up_to[i + 1] = std::min(least.up_to[i], least.of_run[0][i]);
+    }
+    for (std::size_t i = n; i-- > 0;)
+      least.from[i] = std::min(least.from[i + 1], least.of_run[0][i]);
+    for (std::size_t size = 1; 2 * size <= n; size *= 2) {
+      const std::vector<double>& half = least.of_run.back();
+      std::vector<double> whole(n - 2 * size + 1);
+      for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = std::min(half[i], half[i + size]);
+      least.of_run.push_back(std::move(whole));
+    }
+  };
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const ConnectionIndex c = actions[i].connection;
+    bounds[i] = here - gains_.own(c);
+    const std::size_t below = connectivity.below(c);
+    if (below == 0) continue;
+    const PartIndex first = connectivity.lower_side(c).runs[0].front();
+    if (place[first] == parts) add_piece(connectivity.piece_of(first).runs[0]);
+    const LeastPrices& least = pieces[piece[first]];
+    const std::size_t begin = place[first];
+    const std::size_t end = begin + below;
+    const auto level = static_cast<std::size_t>(std::bit_width(below) - 1);
+    const std::vector<double>& runs = least.of_run[level];
+    const double lower = std::min(runs[begin], runs[end - (std::size_t{1} << level)]);
+    const double upper = std::min(least.up_to[begin], least.from[end]);
+    bounds[i] -= std::max(lower, upper);
+  }
+}
+
 void PieceBound::of_successors(SetView open, double here, std::span<const Action> actions,
                                std::span<double> bounds) {
   const std::size_t left = count(open);
@@ -189,6 +249,11 @@ void PieceBound::of_successors_by_pieces(SetView open, double here, std::span<co
                                          std::span<double> bounds) {
   detail::Connectivity& connectivity = scratch_->connectivity;
   connectivity.analyse(open, false);
+  if (parts_ && !sizes_ && gains_.prices().plain() &&
+      scratch_->graph.num_parts() > PieceGains::kMostPartsInTable) {
+    of_successors_by_runs(here, actions, bounds);
+    return;
+  }
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const ConnectionIndex c = actions[i].connection;
     bounds[i] = here - gains_.own(c);
@@ -206,6 +271,13 @@ void PieceBound::of_successors_by_pieces(SetView open, double here, std::span<co
     const std::span<const PartIndex> all(piece);
     bounds[i] += of_piece(all.first(a)) + of_piece(all.subspan(a)) - of_piece(all);
   }
+}
+
+bool PieceBound::single_part_is_best(std::size_t parts) const {
+  if (!sizes_ || parts < 2) return true;
+  const double best = gains_.by_size(parts);
+  return gains_.gain(1, parts - 1) + gains_.by_size(parts - 1) >=
+         best - kRewardTolerance * std::max(1.0, std::abs(gains_.gain(1, parts - 1)));
 }
 
 void PieceBound::add_change(SetView open, std::span<Action> actions) {

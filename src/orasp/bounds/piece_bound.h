@@ -28,7 +28,7 @@ namespace orasp {
 ///             state before it, the start. Its bound is the greatest, over its legal steps, of what
 ///             the step earns and the bound of the state that it leads to.
 /// Limit.      The bound is infinite where the objective sees more than the piece, where steps make
-///             connections, and beyond PieceGains::kMostParts.
+///             connections, and where PieceGains knows none of the two.
 /// Cost.       O(parts^2) once, O(parts + connections) a state.
 class PieceBound final : public Bound {
  public:
@@ -46,6 +46,9 @@ class PieceBound final : public Bound {
   /// Adds to the reward of each action the change of the bound that the action brings: minus what a
   /// plan loses at least by it, and 0 for the actions that keep the bound within reach.
   void add_change(SetView open, std::span<Action> actions);
+  /// Whether the bound by sizes lets no cut of a piece of so many parts gain more than one that
+  /// takes a single part off; true where there is no such bound.
+  [[nodiscard]] bool single_part_is_best(std::size_t parts) const;
 
  private:
   struct Scratch;
@@ -53,6 +56,8 @@ class PieceBound final : public Bound {
   [[nodiscard]] double of_piece(std::span<const PartIndex> piece) const;
   [[nodiscard]] double of_last_piece(std::span<const PartIndex> piece) const;
   double measure_units(SetView open);
+  void of_successors_by_runs(double here, std::span<const Action> actions,
+                             std::span<double> bounds);
   void of_successors_with_units(SetView open, double here, std::span<const Action> actions,
                                 std::span<double> bounds);
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "orasp/model/detail/rules.h"
+
 namespace orasp {
 
 PieceGains::PieceGains(const TransitionSystem& system) {
   const Problem& problem = system.problem();
-  known_ = system.sees_piece_only() && system.takes_apart() && problem.num_parts() <= kMostParts;
+  known_ = system.sees_piece_only() && system.takes_apart();
   if (!known_) return;
   Expander expander(system);
   units_ = PartUnits(system);
@@ -19,11 +21,20 @@ PieceGains::PieceGains(const TransitionSystem& system) {
     most_moved_ = problem.spec().base.size() > 1
                       ? problem.num_parts()
                       : problem.limits().max_moved_parts.value_or(problem.num_parts());
-    measure_sizes(system, expander);
+    const bool in_table = problem.num_parts() <= kMostPartsInTable;
+    if (in_table) {
+      measure_sizes(system, expander);
+    } else {
+      measure_sizes_by_costs(system);
+      if (has_units() && !system.completes_first()) measure_surpluses(system, expander);
+      if (sizes_known_ && has_units()) measure_sizes_with_excess();
+    }
     trees_ = CutTrees(system);
-    prices_ =
-        PiecePrices(expander, problem, units_, most_moved_,
-                    [this](std::size_t moved, std::size_t kept) { return gain(moved, kept); });
+    if (in_table || expander.moving_more_costs_more()) {
+      prices_ =
+          PiecePrices(expander, problem, units_, most_moved_,
+                      [this](std::size_t moved, std::size_t kept) { return gain(moved, kept); });
+    }
     if (!system.completes_first() && system.num_steps() > 0) measure_last_step(system, expander);
   } catch (const InputError&) {
     // The objective is a formula that has no value for some step which no plan may ever take, such
@@ -53,7 +64,9 @@ void PieceGains::measure_last_step(const TransitionSystem& system, Expander& exp
 
 double PieceGains::gain(std::size_t moved, std::size_t kept) const {
   const std::size_t parts = moved + kept;
-  return moved > most_moved_ ? -kInfinity : gains_[(parts - 1) * (parts - 1) / 4 + moved - 1];
+  if (moved > most_moved_) return -kInfinity;
+  if (gains_.empty()) return 0.0 - (cost_of_cut_ + cost_of_side_[moved] + cost_of_side_[kept]);
+  return gains_[(parts - 1) * (parts - 1) / 4 + moved - 1];
 }
 
 double PieceGains::by_arms(std::size_t parts, std::size_t arms) const {
@@ -98,6 +111,41 @@ void PieceGains::measure_sizes(const TransitionSystem& system, Expander& expande
   if (has_units() && !system.completes_first()) measure_surpluses(system, expander);
   if (sizes_known_ && has_units()) measure_sizes_with_excess();
   if (sizes_known_ && parts <= kMostPartsWithArms) measure_arms(problem);
+}
+
+// With gain(a, b) = -(K + C(a) + C(b)) the recursion is
+//
+//     g(n) = -K + max over a + b = n of (g(a) - C(a)) + (g(b) - C(b)),
+//
+// which is quick enough without a table.
+void PieceGains::measure_sizes_by_costs(const TransitionSystem& system) {
+  const std::size_t parts = system.problem().num_parts();
+  cost_of_side_.assign(parts + 1, 0.0);
+  for (const auto& [weight, term] : system.rules().terms) {
+    if (weight == 0) continue;
+    const SizeCosts* const costs = term->size_costs();
+    if (costs == nullptr) return;
+    cost_of_cut_ += weight * (costs->base + costs->alone);
+    for (std::size_t n = 1; n <= parts; ++n) cost_of_side_[n] += weight * costs->costs[n];
+  }
+  by_size_.assign(parts + 1, -kInfinity);
+  by_size_[0] = by_size_[1] = 0;
+  std::vector<double> rest(parts + 1, -kInfinity);  // g(n) - C(n)
+  rest[1] = 0.0 - cost_of_side_[1];
+  for (std::size_t n = 2; n <= parts; ++n) {
+    const std::size_t most = std::min(n / 2, most_moved_);
+    // Four at a time do not wait for each other.
+    std::array<double, 4> best{-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+    std::size_t a = 1;
+    for (; a + 3 <= most; a += 4) {
+      for (std::size_t i = 0; i < 4; ++i)
+        best[i] = std::max(best[i], rest[a + i] + rest[n - a - i]);
+    }
+    for (; a <= most; ++a) best[0] = std::max(best[0], rest[a] + rest[n - a]);
+    by_size_[n] = std::max(std::max(best[0], best[1]), std::max(best[2], best[3])) - cost_of_cut_;
+    rest[n] = by_size_[n] - cost_of_side_[n];
+  }
+  sizes_known_ = std::ranges::all_of(by_size_, [](double best) { return std::isfinite(best); });
 }
 
 void PieceGains::measure_surpluses(const TransitionSystem& system, Expander& expander) {

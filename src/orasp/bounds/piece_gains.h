@@ -30,12 +30,14 @@ namespace orasp {
 /// From each of them what the connections themselves cost (CutTrees) may be subtracted.
 class PieceGains {
  public:
-  static constexpr std::size_t kMostParts = 4096;
+  /// Up to so many parts the gains of all pairs of sizes stand in a table. Beyond, bounds by sizes
+  /// are known where rewards are sums of costs by size (SizeCosts), which take no table, and bounds
+  /// by what is moved where moving more costs more.
+  static constexpr std::size_t kMostPartsInTable = 4096;
 
   explicit PieceGains(const TransitionSystem& system);
 
-  /// False where the objective sees more than the piece, where steps make connections, and beyond
-  /// kMostParts.
+  /// False where the objective sees more than the piece, and where steps make connections.
   [[nodiscard]] bool known() const { return known_; }
   /// What handling `connection` earns whatever it separates.
   [[nodiscard]] double own(ConnectionIndex connection) const { return own_[connection]; }
@@ -81,7 +83,8 @@ class PieceGains {
   [[nodiscard]] double surplus_of_cut() const { return surplus_of_cut_; }
 
   /// The bound by sizes alone: g(n) = max over a + b = n of gain(a, b) + g(a) + g(b), g(1) = 0, the
-  /// smaller of a and b at most max_moved_parts. This is Bellman's recursion over sizes.
+  /// smaller of a and b at most max_moved_parts. This is Bellman's recursion over sizes, p^2 / 4
+  /// additions for p parts: 0.1 s for 16,384.
   [[nodiscard]] double by_size(std::size_t parts) const { return by_size_[parts]; }
   /// The same for a piece that falls into `arms` components when some part v is taken out of it.
   /// Each side of a cut that does not hold v lies within one component, so v sees at least as many
@@ -107,6 +110,7 @@ class PieceGains {
   /// What the connections at which pieces are cut cost beyond these bounds. Each thread needs a
   /// copy of its own.
   [[nodiscard]] const CutTrees& trees() const { return trees_; }
+  [[nodiscard]] const PiecePrices& prices() const { return prices_; }
 
  private:
   static constexpr std::size_t kMostPartsWithArms = 512;
@@ -117,6 +121,7 @@ class PieceGains {
   void measure_last_step(const TransitionSystem& system, Expander& expander);
   void measure_surpluses(const TransitionSystem& system, Expander& expander);
   void measure_sizes(const TransitionSystem& system, Expander& expander);
+  void measure_sizes_by_costs(const TransitionSystem& system);
   void measure_sizes_with_excess();
   void measure_arms(const Problem& problem);
 
@@ -129,8 +134,12 @@ class PieceGains {
   PartUnits units_;
   PiecePrices prices_;
   CutTrees trees_;
-  /// gain(moved, kept) for moved <= kept: row moved + kept of a triangle, then by `moved`.
+  /// gain(moved, kept) for moved <= kept: row moved + kept of a triangle, then by `moved`. Empty
+  /// beyond kMostPartsInTable.
   std::vector<double> gains_;
+  /// There, what a cut costs whatever its sides are, and what a side costs by its size.
+  double cost_of_cut_ = 0;
+  std::vector<double> cost_of_side_;
   /// g, by parts.
   std::vector<double> by_size_;
   /// g(n, d), by d - 1 and n.

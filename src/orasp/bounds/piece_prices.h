@@ -55,6 +55,10 @@ class PiecePrices {
   [[nodiscard]] bool known() const { return known_; }
   /// The most that the cuts of `piece` gain. `units` are those that the prices were made for.
   [[nodiscard]] double bound(std::span<const PartIndex> piece, const PartUnits& units) const;
+  /// Whether that is the sum of the prices less the least of them for every piece, and the price of
+  /// a part.
+  [[nodiscard]] bool plain() const { return fixed_.empty() && stays_.empty() && small_.empty(); }
+  [[nodiscard]] double price(PartIndex part) const { return prices_[part]; }
 
  private:
   bool known_ = false;

@@ -13,6 +13,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/dense_value_iteration.h"
+#include "orasp/planners/detail/peeled_plan.h"
 #include "orasp/planners/detail/quick_plan.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/greedy.h"
@@ -139,11 +140,15 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   PieceBound pieces(system, PieceBound::Kind::Both);
   if (pieces.known()) {
     findings.lower(pieces(start.view()));
+    if (!findings.settled() && system.num_connections() > detail::kManyConnections)
+      findings.add(detail::peeled_plan(system, pieces, first));
     if (!findings.settled()) findings.add(plan_at_bound(system, pieces, first));
     if (findings.settled())
       return findings.answer(Stop::None,
                              "the plan earns as much as the bound on its pieces allows");
   }
+  if (!findings.best().has_plan() && system.num_connections() > detail::kManyConnections)
+    findings.add(detail::peeled_plan(system));
   // Piece by piece, a short look.
   const bool by_pieces = !and_or_obstacle(system);
   bool pieces_ended = !by_pieces;

@@ -31,5 +31,8 @@ namespace orasp {
 /// last step is an upper one.
 [[nodiscard]] Result plan_at_bound(const TransitionSystem& system, PieceBound& bound,
                                    const Budget& budget);
+/// The same for what is left of a plan, from the state `from` on.
+[[nodiscard]] Result rest_at_bound(const TransitionSystem& system, PieceBound& bound,
+                                   const ConnectionSet& from, const Budget& budget);
 
 }  // namespace orasp

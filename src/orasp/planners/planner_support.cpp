@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/peeled_plan.h"
 #include "orasp/planners/detail/quick_plan.h"
 #include "orasp/planners/feasibility.h"
 #include "orasp/planners/greedy.h"
@@ -85,6 +86,8 @@ Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view 
   const bool small = system.num_connections() <= kManyConnections;
   if (!small) at_once.set_time_limit(kAtOnce);
   Result result = small ? greedy(system, at_once) : from_the_end(system, quick_plan);
+  if (!small && !result.has_plan())
+    result = from_the_end(system, [](const TransitionSystem& from) { return peeled_plan(from); });
   if (!small && !result.has_plan()) result = greedy(system, at_once);
   if (!result.has_plan()) {
     if (!small) at_once.set_time_limit(kAtOnce);

@@ -75,6 +75,11 @@ class Replayer {
                            problem.spec().goal->stop == Goal::Stop::Reached) {}
 
   PlanReplay run();
+  /// Steps are to list nothing but what moves.
+  void list_moved_only() {
+    moved_only_ = !reward_.needs_step() && !looks_back_;
+    if (moved_only_) whole_steps_ = false;
+  }
 
  private:
   /// A step that can be made: its position in the sequence, and how many of them come before it.
@@ -144,6 +149,7 @@ class Replayer {
   CheckedReward reward_;
   bool with_steps_;
   bool whole_steps_;
+  bool moved_only_ = false;
   bool looks_back_;
   bool ends_when_reached_;
   PlanReplay replay_;
@@ -597,6 +603,12 @@ void Replayer::make(const Made& made) {
     step.a_moves = step.moves() && first_moves(piece_a, piece_b);
     const Piece& moved = step.a_moves ? piece_a : piece_b;
     const Piece& kept = step.a_moves ? piece_b : piece_a;
+    if (moved_only_ && step.moves()) {
+      const std::span<const PartIndex> parts = members(step.a_moves ? a : b);
+      std::vector<PartIndex>& listed = step.a_moves ? step.a : step.b;
+      listed.assign(parts.begin(), parts.end());
+      std::ranges::sort(listed);
+    }
     step.moved_mass = step.moves() ? mass(moved) : 0.0;
     step.kept_mass = step.moves() ? mass(kept) : mass(piece_a) + mass(piece_b);
     if (assembly_) {
@@ -886,6 +898,16 @@ PlanReplay replay(const Problem& problem, const Situation& situation,
   for (std::size_t i = 0; i < sequence.size(); ++i)
     steps.push_back({{sequence[i]}, directions.empty() ? std::nullopt : directions[i]});
   return replay_parts(problem, situation, steps, with_steps);
+}
+
+PlanReplay replay_moves(const Problem& problem, const Situation& situation,
+                        std::span<const ConnectionIndex> sequence) {
+  if (problem.spec().action != StepKind::Connection)
+    return replay(problem, situation, sequence, true);
+  situation.require_over(problem.num_connections());
+  Replayer replayer(problem, situation, sequence, true, {});
+  replayer.list_moved_only();
+  return replayer.run();
 }
 
 PlanReplay replay(const Problem& problem, const Situation& situation,

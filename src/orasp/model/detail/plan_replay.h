@@ -82,5 +82,10 @@ struct PlanReplay {
                                 std::span<const std::optional<DirectionIndex>> directions = {});
 [[nodiscard]] PlanReplay replay(const Problem& problem, const Situation& situation,
                                 std::span<const PlanStep> steps, bool with_steps);
+/// The same with steps that list only the parts that move, so that all lists together hold at most
+/// parts * log2(parts) of them where nothing is fixed. The other side of each step is empty. Where
+/// there is more to steps, or the objective looks at whole steps or back, nothing is left out.
+[[nodiscard]] PlanReplay replay_moves(const Problem& problem, const Situation& situation,
+                                      std::span<const ConnectionIndex> sequence);
 
 }  // namespace orasp::detail
