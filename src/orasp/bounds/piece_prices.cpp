@@ -246,6 +246,16 @@ class CoveringPrices {
   std::vector<std::vector<std::uint32_t>> sets_with_;
 };
 
+/// Whether no cut gains more than 0.
+bool no_cut_gains(const PiecePrices::GainBySizes& gain, std::size_t parts) {
+  for (std::size_t n = 2; n <= parts; ++n) {
+    for (std::size_t a = 1; a <= n / 2; ++a) {
+      if (!(gain(a, n - a) <= 0)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartUnits& units,
@@ -274,6 +284,7 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
         larger = std::max(larger, gain(std::min(a, b), std::max(a, b)));
     }
     for (double& price : prices_) price = std::max(price, larger);
+    if (!units.any() && no_cut_gains(gain, parts)) pieces_ = SmallPieces(expander, problem);
   } else if (most > 1 && !units.any()) {
     if (auto sets = list_moved_sets(expander, problem, graph, most_moved, small_)) {
       prices_ = CoveringPrices(std::move(*sets), parts).find();
@@ -305,7 +316,8 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
 
 double PiecePrices::bound(std::span<const PartIndex> piece, const PartUnits& units) const {
   if (piece.size() == 1) return 0;
-  double known = kInfinity;
+  // Both bounds satisfy the inequality that makes them consistent, and so does the smaller of them.
+  double known = pieces_.known() ? pieces_.bound(piece) : kInfinity;
   if (!small_.empty() && piece.size() <= kMostListed) {
     const auto found = small_.find(small_key(piece));
     known = found == small_.end() ? -kInfinity : found->second;
@@ -328,7 +340,7 @@ double PiecePrices::bound(std::span<const PartIndex> piece, const PartUnits& uni
   }
   if (is_fixed) return std::min(known, sum);
   if (of_what_stays) return std::min(known, sum - *of_what_stays);
-  return known < kInfinity ? known : sum - least;
+  return std::min(known, sum - least);
 }
 
 }  // namespace orasp

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "orasp/bounds/part_units.h"
+#include "orasp/bounds/small_pieces.h"
 #include "orasp/model/transition_system.h"
 
 namespace orasp {
@@ -71,6 +72,8 @@ class PiecePrices {
   /// The exact values of connected sets of two and three parts, by a number for the set. Empty
   /// where only the simple prices are used.
   std::unordered_map<std::uint64_t, double> small_;
+  /// Where more than three parts may move and no cut gains more than 0.
+  SmallPieces pieces_;
 };
 
 }  // namespace orasp

@@ -1,0 +1,296 @@
+#include "orasp/bounds/small_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/model/tolerance.h"
+
+namespace orasp {
+
+namespace {
+
+/// Most listed sets, and most ways to part them in two, over all sets.
+constexpr std::size_t kMostSets = 30'000;
+constexpr std::size_t kMostCuts = 1'500'000;
+
+/// A row of the linear program: what the parts cost together is at most `room`.
+struct Row {
+  std::array<PartIndex, SmallPieces::kMostListed> parts;
+  std::size_t size;
+  double room;
+};
+
+/// Looks for the greatest costs of parts, minus their prices, that fit into each row.
+class PackedCosts {
+ public:
+  using Costs = std::vector<double>;
+
+  PackedCosts(std::vector<Row> rows, std::size_t parts)
+      : rows_(std::move(rows)), rows_with_(parts) {
+    for (std::uint32_t r = 0; r < rows_.size(); ++r) {
+      for (std::size_t i = 0; i < rows_[r].size; ++i) rows_with_[rows_[r].parts[i]].push_back(r);
+    }
+  }
+
+  [[nodiscard]] Costs find() const {
+    Costs costs(rows_with_.size(), kInfinity);
+    double scale = 0;
+    for (const Row& row : rows_) {
+      for (std::size_t i = 0; i < row.size; ++i) {
+        double& cost = costs[row.parts[i]];
+        cost = std::min(cost, row.room / static_cast<double>(row.size));
+      }
+    }
+    Costs best = repaired(costs);
+    for (const double cost : best) scale += cost / static_cast<double>(best.size());
+    if (scale <= 0) return best;
+    Costs slope(costs.size(), 1.0);
+    const auto work = std::max<std::size_t>(rows_.size(), 1);
+    const auto iterations = std::clamp<std::size_t>(20'000'000 / work, 200, 3000);
+    constexpr std::size_t kBetweenRepairs = 50;
+    for (std::size_t i = 0; i < iterations; ++i) {
+      step_up(costs, slope, 0.05 * scale / (1 + 0.02 * static_cast<double>(i)));
+      if (i % kBetweenRepairs != kBetweenRepairs - 1) continue;
+      Costs valid = repaired(costs);
+      if (sum(valid) > sum(best)) best = std::move(valid);
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] static double left(const Row& row, const Costs& costs) {
+    double room = row.room;
+    for (std::size_t i = 0; i < row.size; ++i) room -= costs[row.parts[i]];
+    return room;
+  }
+  [[nodiscard]] static double sum(const Costs& costs) {
+    double total = 0;
+    for (const double cost : costs) total += cost;
+    return total;
+  }
+  void step_up(Costs& costs, Costs& slope, double step) const {
+    std::ranges::fill(slope, 1.0);
+    for (const Row& row : rows_) {
+      if (left(row, costs) >= 0) continue;
+      for (std::size_t i = 0; i < row.size; ++i) slope[row.parts[i]] -= 1;
+    }
+    std::ranges::transform(costs, slope, costs.begin(),
+                           [&](double cost, double up) { return cost + step * up; });
+  }
+  /// The costs made valid, and then each, one after the other, as great as the others let it be.
+  [[nodiscard]] Costs repaired(Costs costs) const {
+    for (const Row& row : rows_) {
+      const double room = left(row, costs);
+      if (room >= 0) continue;
+      for (std::size_t i = 0; i < row.size; ++i)
+        costs[row.parts[i]] += room / static_cast<double>(row.size);
+    }
+    for (std::size_t p = 0; p < costs.size(); ++p) {
+      double room = kInfinity;
+      for (const std::uint32_t r : rows_with_[p]) room = std::min(room, left(rows_[r], costs));
+      if (std::isfinite(room)) costs[p] += room;
+    }
+    return costs;
+  }
+
+  std::vector<Row> rows_;
+  std::vector<std::vector<std::uint32_t>> rows_with_;
+};
+
+}  // namespace
+
+SmallPieces::Key SmallPieces::key_of(std::span<const PartIndex> sorted) {
+  Key key{};
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    key[i / 4] = key[i / 4] << 16U | (static_cast<std::uint64_t>(sorted[i]) + 1);
+  return key;
+}
+
+/// Lists the connected sets, smaller ones first, and works out the value of each.
+class SmallPieces::Lister {
+ public:
+  /// A connected set of parts, in rising order.
+  struct ListedSet {
+    std::array<PartIndex, SmallPieces::kMostListed> parts;
+    std::size_t size;
+    /// V, the most that the cuts of the set gain.
+    double value;
+    /// The most that moving it gains.
+    double moving;
+    /// What its parts may cost together, minus their prices, is at most this.
+    double room;
+    bool fixed;
+
+    [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
+  };
+
+  Lister(Expander& expander, const Problem& problem)
+      : expander_(expander),
+        problem_(problem),
+        graph_(problem),
+        costs_(expander.least_extra_costs()) {}
+
+  /// The greatest size of which all sets are listed.
+  std::size_t list(std::size_t most) {
+    for (PartIndex part = 0; part < graph_.num_parts(); ++part) {
+      const std::array<PartIndex, 1> alone = {part};
+      place_.emplace(key_of(alone), static_cast<std::uint32_t>(sets_.size()));
+      add(alone);
+    }
+    std::size_t begin = 0;
+    std::size_t cuts = 0;
+    std::size_t size = 1;
+    while (size < most && size < graph_.num_parts()) {
+      const std::size_t end = sets_.size();
+      for (std::size_t s = begin; s < end; ++s) {
+        if (!grow(s) || cuts + ((sets_.size() - end) << size) > kMostCuts) {
+          sets_.resize(end);
+          return size;
+        }
+      }
+      if (sets_.size() == end) break;
+      cuts += (sets_.size() - end) << size;
+      ++size;
+      begin = end;
+    }
+    return size;
+  }
+
+  /// Works out value, moving and room of each set; `largest` is what list() returned. Keeps the
+  /// rows that the others do not imply.
+  std::vector<Row> measure(std::size_t largest) {
+    std::vector<Row> rows;
+    for (ListedSet& set : sets_) {
+      set.moving = expander_.greatest_gain_of_moving(set.all());
+      set.fixed = std::ranges::any_of(set.all(), [&](PartIndex p) { return problem_.in_base(p); });
+      double implied = kInfinity;
+      set.value = set.size == 1 ? 0 : value_of(set, implied);
+      set.room = set.fixed ? 0.0 - set.value : 0.0 - set.value - set.moving;
+      if (2 * set.size > largest) set.room = std::min(set.room, 0.0 - set.value);
+      if (set.room < implied) rows.push_back({set.parts, set.size, set.room});
+    }
+    return rows;
+  }
+
+  [[nodiscard]] const std::vector<ListedSet>& sets() const { return sets_; }
+
+ private:
+  void add(std::span<const PartIndex> parts) {
+    ListedSet& set = sets_.emplace_back();
+    std::ranges::copy(parts, set.parts.begin());
+    set.size = parts.size();
+  }
+
+  /// Adds the sets that have one part more than set `s`. False if there are too many.
+  bool grow(std::size_t s) {
+    const ListedSet set = sets_[s];
+    for (const PartIndex from : set.all()) {
+      for (const auto& half : graph_.around(from)) {
+        if (std::ranges::binary_search(set.all(), half.other)) continue;
+        std::array<PartIndex, kMostListed> more{};
+        const auto at = std::ranges::lower_bound(set.all(), half.other) - set.all().begin();
+        std::copy_n(set.parts.begin(), at, more.begin());
+        more[static_cast<std::size_t>(at)] = half.other;
+        std::copy(set.parts.begin() + at, set.parts.begin() + static_cast<std::ptrdiff_t>(set.size),
+                  more.begin() + at + 1);
+        const std::span<const PartIndex> parts(more.data(), set.size + 1);
+        const auto index = static_cast<std::uint32_t>(sets_.size());
+        if (!place_.try_emplace(key_of(parts), index).second) continue;
+        if (sets_.size() >= kMostSets) return false;
+        add(parts);
+      }
+    }
+    return true;
+  }
+
+  /// The greatest over the cuts of `set`; and to `implied` the least room of two sets that make it
+  /// up.
+  [[nodiscard]] double value_of(const ListedSet& set, double& implied) {
+    double best = -kInfinity;
+    double best_of_all = -kInfinity;
+    std::array<PartIndex, kMostListed> a{};
+    std::array<PartIndex, kMostListed> b{};
+    // The side of the last part is B, so that each cut comes once.
+    for (std::uint32_t mask = 1; mask < (1U << (set.size - 1)); ++mask) {
+      std::size_t in_a = 0;
+      std::size_t in_b = 0;
+      for (std::size_t i = 0; i < set.size; ++i)
+        (((mask >> i) & 1U) != 0 ? a[in_a++] : b[in_b++]) = set.parts[i];
+      const std::span<const PartIndex> side_a(a.data(), in_a);
+      const std::span<const PartIndex> side_b(b.data(), in_b);
+      const auto found_a = place_.find(key_of(side_a));
+      if (found_a == place_.end()) continue;
+      const auto found_b = place_.find(key_of(side_b));
+      if (found_b == place_.end()) continue;
+      const ListedSet& first = sets_[found_a->second];
+      const ListedSet& second = sets_[found_b->second];
+      implied = std::min(implied, first.room + second.room);
+      const double apart = first.value + second.value;
+      double most = -kInfinity;
+      if (first.fixed && second.fixed) most = 0;
+      if (!first.fixed) most = std::max(most, first.moving);
+      if (!second.fixed) most = std::max(most, second.moving);
+      best_of_all = std::max(best_of_all, most + apart);
+      if (most + apart <= best) continue;
+      for (const PartIndex part : side_a) {
+        for (const auto& half : graph_.around(part)) {
+          if (!std::ranges::binary_search(side_b, half.other)) continue;
+          const bool part_is_a = problem_.ends(half.connection)[0] == part;
+          const auto gain = part_is_a ? expander_.cut_gain(side_a, side_b, half.connection)
+                                      : expander_.cut_gain(side_b, side_a, half.connection);
+          if (gain) best = std::max(best, *gain + costs_[half.connection] + apart);
+        }
+      }
+    }
+    return best == -kInfinity ? best_of_all : best;
+  }
+
+  Expander& expander_;
+  const Problem& problem_;
+  detail::AssemblyGraph graph_;
+  std::vector<double> costs_;  ///< what connections cost beside the bound (CutTrees)
+  std::vector<ListedSet> sets_;
+  std::unordered_map<Key, std::uint32_t, KeyHash> place_;
+};
+
+SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed) {
+  static_assert(kMostListed <= 8, "a key holds eight parts");
+  const std::size_t parts = problem.num_parts();
+  if (parts < 2) return;
+  Lister lister(expander, problem);
+  const std::size_t largest = lister.list(std::min(most_listed, kMostListed));
+  std::vector<Row> rows = lister.measure(largest);
+  for (const Lister::ListedSet& set : lister.sets()) {
+    if (!std::isfinite(set.value) || !std::isfinite(set.room)) return;
+    if (set.size > 1) values_.emplace(key_of(set.all()), set.value);
+  }
+  prices_.assign(parts, 0);
+  if (largest < parts) {
+    prices_ = PackedCosts(std::move(rows), parts).find();
+    for (double& price : prices_) price = 0.0 - price;
+  }
+  largest_ = largest;
+}
+
+double SmallPieces::bound(std::span<const PartIndex> piece) const {
+  if (piece.size() == 1) return 0;
+  if (piece.size() <= largest_) {
+    std::array<PartIndex, kMostListed> sorted{};
+    std::size_t size = 0;
+    for (const PartIndex part : piece) {
+      std::size_t at = size++;
+      for (; at > 0 && sorted[at - 1] > part; --at) sorted[at] = sorted[at - 1];
+      sorted[at] = part;
+    }
+    const auto found = values_.find(key_of({sorted.data(), piece.size()}));
+    return found == values_.end() ? kInfinity : found->second;
+  }
+  double sum = 0;
+  for (const PartIndex part : piece) sum += prices_[part];
+  return sum;
+}
+
+}  // namespace orasp

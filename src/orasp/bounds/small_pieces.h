@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+
+/// Bounds what the cuts of a piece gain where the gain of a cut depends on what is moved, any number
+/// of parts may move, and no cut gains more than 0.
+///
+/// Problem.    Under `time` and `travel` a large moved piece may have its centroid near the depot
+///             and cost nearly nothing, so that only small pieces tell what a plan must cost.
+/// Idea.       Up to K parts every connected piece S is listed with its exact value: V(S), the
+///             greatest sum of gain(A, B) + V(A) + V(B) over its cuts (Bellman's recursion over
+///             pieces; of gains above what connections cost, see CutTrees). For larger ones each part p has a price y(p), and
+///
+///                 V(S) <= sum over p in S of y(p),   if for all connected M of at most K parts
+///                 V(M) + gain of moving M <= sum of y over M,   unless M holds a base part,
+///                 V(M)                    <= sum of y over M,   if 2 |M| > K or M holds one.
+///
+///             The least such prices are a linear program. Its penalty form is exact with a penalty
+///             of 1 for each set, since no multiplier is greater than 1; subgradients find prices
+///             that are nearly the least, and a repair makes them valid.
+/// Proof.      By induction over the parts of S > K. A cut moves A off B; both in the list or
+///             larger. Of at most K parts, A has V(A) + gain <= its prices by the first condition,
+///             B has V(B) <= its prices by the second, since it is no smaller than A or holds a
+///             base part. Of more parts, V is at most the prices by induction and the gain is
+///             at most 0. If both sides hold a base part, nothing moves and the second condition
+///             covers both. So V(S) >= gain + V(A) + V(B) holds for the bound in place of V, which
+///             makes it consistent.
+/// Reference.  Subgradients: Held and Karp (1971), Mathematical Programming 1, 6-25.
+/// Guarantee.  Never below what the cuts of a piece can gain. Precedence, blocking between pieces
+///             and max_subassemblies only take cuts away. A listed piece that blocking or limits
+///             leave no cut counts all its cuts: the searches find the dead end.
+/// Cost.       K is the greatest, 8 at most, for which the sets are few enough to be listed in some
+///             tenths of a second. O(parts) a piece.
+class SmallPieces {
+ public:
+  static constexpr std::size_t kMostListed = 8;
+
+  SmallPieces() = default;
+  /// No cut may gain more than 0. Pieces of at most `most_listed` parts are listed.
+  SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed = kMostListed);
+
+  [[nodiscard]] bool known() const { return largest_ > 0; }
+  [[nodiscard]] double bound(std::span<const PartIndex> piece) const;
+
+ private:
+  /// The parts of a set in rising order, each plus 1 and in 16 bits.
+  using Key = std::array<std::uint64_t, 2>;
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const noexcept {
+      const std::uint64_t mixed = (key[0] ^ (key[1] * 0x9E3779B97F4A7C15U)) * 0xD6E8FEB86659FD93U;
+      return static_cast<std::size_t>(mixed ^ (mixed >> 32U));
+    }
+  };
+  static Key key_of(std::span<const PartIndex> sorted);
+
+  std::size_t largest_ = 0;
+  std::unordered_map<Key, double, KeyHash> values_;
+  std::vector<double> prices_;
+
+  class Lister;
+};
+
+}  // namespace orasp

@@ -1,0 +1,129 @@
+#include "orasp/bounds/small_pieces.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "orasp/bounds/piece_bound.h"
+#include "orasp/model/random.h"
+#include "orasp/model/tolerance.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp {
+namespace {
+
+constexpr std::size_t kParts = 9;
+
+double between(SplitMix64& random, double least, double most) {
+  return least + (most - least) * random.uniform();
+}
+
+/// Nine parts at random places around the depot, joined by a random tree and some more connections;
+/// in every third problem with one base part, in every third with two.
+ProblemSpec random_product(std::uint64_t seed, const std::string& objective) {
+  SplitMix64 random(seed);
+  ProblemSpec spec;
+  spec.name = "p" + std::to_string(seed);
+  for (std::size_t p = 0; p < kParts; ++p) {
+    Part part;
+    part.id = std::string(1, static_cast<char>('a' + p));
+    part.mass = between(random, 1, 5);
+    part.position = Vector3{between(random, -3, 3), between(random, -3, 3), between(random, -3, 3)};
+    spec.parts.push_back(part);
+  }
+  std::vector<std::vector<bool>> joined(kParts, std::vector<bool>(kParts, false));
+  const auto join = [&](std::size_t a, std::size_t b) {
+    if (a == b || joined[a][b]) return;
+    joined[a][b] = joined[b][a] = true;
+    Connection connection;
+    connection.parts = {spec.parts[a].id, spec.parts[b].id};
+    spec.connections.push_back(connection);
+  };
+  for (std::size_t p = 1; p < kParts; ++p) join(p, random.below(p));
+  for (std::size_t extra = seed % 5; extra > 0; --extra)
+    join(random.below(kParts), random.below(kParts));
+  for (std::size_t base = seed % 3; base > 0; --base) spec.base.push_back(spec.parts[base * 2].id);
+  spec.objective = Objective::named(objective);
+  return spec;
+}
+
+/// The parts of a set of bits.
+std::vector<PartIndex> parts_of(unsigned bits) {
+  std::vector<PartIndex> parts;
+  for (PartIndex p = 0; p < kParts; ++p) {
+    if (((bits >> static_cast<std::size_t>(p)) & 1U) != 0) parts.push_back(p);
+  }
+  return parts;
+}
+
+bool connected(const Problem& problem, unsigned bits) {
+  unsigned reached = bits & (~bits + 1);
+  for (unsigned before = 0; before != reached;) {
+    before = reached;
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      const unsigned a = 1U << static_cast<std::size_t>(problem.ends(c)[0]);
+      const unsigned b = 1U << static_cast<std::size_t>(problem.ends(c)[1]);
+      if ((bits & a) != 0 && (bits & b) != 0 && (reached & (a | b)) != 0) reached |= a | b;
+    }
+  }
+  return reached == bits;
+}
+
+// For every piece and every cut of it the bound is at least what the cut gains and the bounds of
+// the two sides, whatever sizes are listed. So it is admissible too, by induction.
+TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      const ProblemSpec spec = random_product(seed, objective);
+      const Problem problem(spec);
+      const TransitionSystem system(problem);
+      Expander expander(system);
+      SCOPED_TRACE(spec.name + " " + objective);
+      for (std::size_t listed = 1; listed <= SmallPieces::kMostListed; ++listed) {
+        const SmallPieces pieces(expander, problem, listed);
+        ASSERT_TRUE(pieces.known());
+        std::vector<double> bounds(1U << kParts, -kInfinity);
+        for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
+          if (connected(problem, bits)) bounds[bits] = pieces.bound(parts_of(bits));
+        }
+        for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
+          if (bounds[bits] == -kInfinity) continue;
+          double most = parts_of(bits).size() == 1 ? 0 : -kInfinity;
+          for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+            const unsigned first = 1U << static_cast<std::size_t>(problem.ends(c)[0]);
+            const unsigned second = 1U << static_cast<std::size_t>(problem.ends(c)[1]);
+            for (unsigned a = (bits - 1) & bits; a != 0; a = (a - 1) & bits) {
+              const unsigned b = bits & ~a;
+              if ((a & first) == 0 || (b & second) == 0) continue;
+              if (bounds[a] == -kInfinity || bounds[b] == -kInfinity) continue;
+              const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
+              if (gain) most = std::max(most, *gain + bounds[a] + bounds[b]);
+            }
+          }
+          EXPECT_GE(bounds[bits], most - 1e-9);
+          // What is listed is exact.
+          if (parts_of(bits).size() <= listed) EXPECT_NEAR(bounds[bits], most, 1e-9);
+        }
+      }
+    }
+  }
+}
+
+// Prices say more than nothing: without them the bound of a product under `travel` is 0 where more
+// than three parts may move, since no cut gains more.
+TEST(SmallPieces, PricesTellWhatPlansCostAtLeast) {
+  for (std::uint64_t seed = 0; seed < 60; seed += 3) {
+    const Problem problem(random_product(seed, "travel"));
+    const TransitionSystem system(problem);
+    Expander expander(system);
+    const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
+    const double exact = SmallPieces(expander, problem).bound(all);
+    EXPECT_LT(exact, -1);
+    PieceBound used(system, PieceBound::Kind::Both);
+    EXPECT_LT(used(system.start().view()), -1);
+  }
+}
+
+}  // namespace
+}  // namespace orasp
