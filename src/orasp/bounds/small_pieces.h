@@ -18,7 +18,8 @@ namespace orasp {
 ///             and cost nearly nothing, so that only small pieces tell what a plan must cost.
 /// Idea.       Up to K parts every connected piece S is listed with its exact value: V(S), the
 ///             greatest sum of gain(A, B) + V(A) + V(B) over its cuts (Bellman's recursion over
-///             pieces; of gains above what connections cost, see CutTrees). For larger ones each part p has a price y(p), and
+///             pieces; gains are those above what connections cost, see CutTrees). For larger ones
+///             each part p has a price y(p), and
 ///
 ///                 V(S) <= sum over p in S of y(p),   if for all connected M of at most K parts
 ///                 V(M) + gain of moving M <= sum of y over M,   unless M holds a base part,
