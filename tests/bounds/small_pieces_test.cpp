@@ -103,7 +103,9 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
           }
           EXPECT_GE(bounds[bits], most - 1e-9);
           // What is listed is exact.
-          if (parts_of(bits).size() <= listed) EXPECT_NEAR(bounds[bits], most, 1e-9);
+          if (parts_of(bits).size() <= listed) {
+            EXPECT_NEAR(bounds[bits], most, 1e-9);
+          }
         }
       }
     }

@@ -11,8 +11,8 @@
 
 namespace orasp {
 
-/// Bounds what the cuts of a piece gain where the gain of a cut depends on what is moved, any number
-/// of parts may move, and no cut gains more than 0.
+/// Bounds what the cuts of a piece gain where the gain of a cut depends on what is moved, any
+/// number of parts may move, and no cut gains more than 0.
 ///
 /// Problem.    Under `time` and `travel` a large moved piece may have its centroid near the depot
 ///             and cost nearly nothing, so that only small pieces tell what a plan must cost.
