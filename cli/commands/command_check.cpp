@@ -85,11 +85,14 @@ int run(const CheckOptions& options, const Context& context) {
   const Problem problem = load_problem(options.problem, options.changes, context);
   if (const std::string reason = without_certificates(problem); !reason.empty())
     throw InputError(reason);
+  const bool infeasible = options.plan == kNoPlanWord;
+  // The plan first: who sends it may still be writing the certificate.
+  const std::string text = infeasible ? std::string() : read_text(options.plan);
   const Certificate certificate = read_certificate(problem, options.certificate);
   Verdict verdict;
   verdict.kind = kind_name(certificate.kind);
-  if (options.plan == kNoPlanWord) {
-    verdict.infeasible = true;
+  verdict.infeasible = infeasible;
+  if (infeasible) {
     const CertificateCheck check = check_certificate(problem, certificate);
     verdict.check.bound = certificate.bound;
     verdict.check.inequalities = check.inequalities;
@@ -101,7 +104,6 @@ int run(const CheckOptions& options, const Context& context) {
                             ", and does not say that there is none";
     }
   } else {
-    const std::string text = read_text(options.plan);
     require_plan_for(problem, text, options.plan);
     const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
     warn_of_another_problem(context, plan.problem_digest, problem);

@@ -92,7 +92,7 @@ TEST(CertificateTest, WhatIsProvedIsNeverBelowTheBest) {
     ProblemSpec spec = random_problem(seed);
     spec.objective =
         random_objective(std::vector<std::string>{"cubesat", "cubesat_zone", "custom", "piece_cost",
-                                                  "completion", "time"}[seed % 6],
+                                                  "completion", "fuel", "time"}[seed % 7],
                          seed);
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);

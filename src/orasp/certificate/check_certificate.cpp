@@ -129,7 +129,7 @@ double Checker::bound_by_sizes(const SizeRewards& rewards) {
     // One connection is left, so if it separates, then two single parts.
     for (ConnectionIndex c = 0; c < connections; ++c) {
       const bool separates = problem_.ends(c)[0] != problem_.ends(c)[1];
-      double more = add_up(rewards.last(c, separates), -rewards.own(c));
+      double more = add_up(rewards.last(c, separates, 1, 1), -rewards.own(c));
       if (separates) more = g[2] == -kInfinity ? -kInfinity : add_up(more, -g[2]);
       best = std::max(best, more);
     }
@@ -141,7 +141,9 @@ double Checker::bound_by_sizes(const SizeRewards& rewards) {
   for (ConnectionIndex c = 0; c < connections; ++c) {
     if (!removals.allowed(c)) continue;
     all.erase(c);
-    const double more = add_up(rewards.last(c, removals.separates()), -rewards.own(c));
+    const double more =
+        add_up(rewards.last(c, removals.separates(), removals.a_parts(), removals.b_parts()),
+               -rewards.own(c));
     best = std::max(best, add_up(worth(all), more));
     all.insert(c);
   }
@@ -188,19 +190,21 @@ std::string Checker::fault_of_states() {
         if (!missing.empty() || !removals.allowed(c)) return;
         after.erase(c);
         const auto found = next.find(after);
-        const std::string step = "a step out of layer " + std::to_string(k) + ", at " +
-                                 detail::in_quotes(problem_.connection_id(c)) + ", ";
+        const auto step = [&] {
+          return "a step out of layer " + std::to_string(k) + ", at " +
+                 detail::in_quotes(problem_.connection_id(c)) + ", ";
+        };
         ++inequalities_;
         if (found == next.end()) {
-          missing = "layers[" + std::to_string(k + 1) + "]: " + step +
+          missing = "layers[" + std::to_string(k + 1) + "]: " + step() +
                     "leads to a state that is not listed";
         } else if (found->second > -kInfinity) {
           if (here == -kInfinity) {
-            missing = "layers[" + std::to_string(k) + "]: " + step +
+            missing = "layers[" + std::to_string(k) + "]: " + step() +
                       "leads on from a state that is listed as a dead end";
           } else {
             const Removals::Reward reward = removals.reward();
-            if (!reward.finite) missing = step + "has no finite reward";
+            if (!reward.finite) missing = step() + "has no finite reward";
             most = std::max(most, add_up(add_up(reward.most, found->second), -here));
           }
         }

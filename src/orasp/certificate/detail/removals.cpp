@@ -126,8 +126,9 @@ bool Removals::first_moves() const {
 }
 
 bool Removals::allowed(ConnectionIndex connection) {
+  if (!precedence_allows(connection)) return false;
   part_at(connection);
-  return precedence_allows(connection) && limits_allow() && some_way_out();
+  return limits_allow() && some_way_out();
 }
 
 // What must be gone before the connection is, and what must be there while it is.

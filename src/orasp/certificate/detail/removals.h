@@ -43,6 +43,9 @@ class Removals {
   [[nodiscard]] Reward reward() const;
   /// Whether that removal separates.
   [[nodiscard]] bool separates() const { return separates_; }
+  /// The numbers of parts of A and B, where it does.
+  [[nodiscard]] std::size_t a_parts() const { return separates_ ? a_.parts.size() : 0; }
+  [[nodiscard]] std::size_t b_parts() const { return separates_ ? b_.parts.size() : 0; }
 
  private:
   struct Piece {

@@ -1,6 +1,7 @@
 #include "orasp/certificate/detail/size_rewards.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <variant>
 
@@ -49,6 +50,7 @@ SizeRewards::SizeRewards(const Problem& problem) : problem_(problem) {
     starts_[parts] = true;
     largest_ = std::max(largest_, parts);
   }
+  some_fixed_ = !problem.spec().base.empty();
   some_stay_ = problem.spec().base.size() > 1;
 }
 
@@ -64,7 +66,11 @@ void SizeRewards::add(const Objective& objective, double weight) {
   }
   const bool placed = std::ranges::any_of(
       problem_.parts(), [](const Part& part) { return part.position.has_value(); });
-  known_ = known_ && (std::holds_alternative<PieceCost>(parameters) ||
+  const bool alike = std::ranges::all_of(problem_.parts(), [this](const Part& part) {
+    return part.mass == problem_.parts().front().mass;
+  });
+  known_ = known_ && ((std::holds_alternative<Fuel>(parameters) && alike) ||
+                      std::holds_alternative<PieceCost>(parameters) ||
                       std::holds_alternative<CubesatZone>(parameters) ||
                       std::holds_alternative<CompletionObjective>(parameters) ||
                       (std::holds_alternative<TimeObjective>(parameters) && !placed));
@@ -95,13 +101,18 @@ double SizeRewards::cut(std::size_t a, std::size_t b) const {
       sum = add_up(sum, multiply_up(weight, completion->join));
     if (const auto* const time = std::get_if<TimeObjective>(parameters))
       sum = add_up(sum, transfer(weight, time->transfer));
+    if (const auto* const fuel = std::get_if<Fuel>(parameters))
+      sum = add_up(sum, fuel_cut(weight, *fuel, a, b));
   }
   return sum;
 }
 
-double SizeRewards::last(ConnectionIndex connection, bool separates) const {
+double SizeRewards::last(ConnectionIndex connection, bool separates, std::size_t a,
+                         std::size_t b) const {
   double sum = 0;
   for (const auto& [weight, parameters] : addends_) {
+    if (const auto* const fuel = std::get_if<Fuel>(parameters); fuel != nullptr && separates)
+      sum = add_up(sum, fuel_cut(weight, *fuel, a, b));
     if (const auto* const cost = std::get_if<PieceCost>(parameters))
       sum = add_up(sum, multiply_up(weight, cost->completion));
     if (std::holds_alternative<CubesatZone>(*parameters)) sum = add_up(sum, weight);
@@ -131,6 +142,23 @@ double SizeRewards::zone_cut(double weight, std::size_t a, std::size_t b) const 
                                  multiply_up(weight, -zone_cost(b, from_zone))));
   }
   // No piece of the product has so many parts or more: such a cut is never made.
+  return most;
+}
+
+// The smaller side moves, unless a base part says otherwise. The exponential is right to a few
+// units in the last place; the value is moved up by a hundred and more of them.
+double SizeRewards::fuel_cut(double weight, const Fuel& fuel, std::size_t a, std::size_t b) const {
+  constexpr double kGravity = 9.80665;
+  constexpr double kLost = 1e-13;
+  double most = some_stay_ ? 0 : -kInfinity;
+  for (const std::size_t moved : {a, b}) {
+    if (!some_fixed_ && moved != std::min(a, b)) continue;
+    const double mass = static_cast<double>(moved) * problem_.parts().front().mass;
+    const double burnt =
+        (2 * fuel.dry_mass + mass) * std::expm1(fuel.delta_v / (fuel.isp * kGravity));
+    const double earned = weight * -burnt;
+    most = std::max(most, add_up(earned, kLost * std::abs(earned)));
+  }
   return most;
 }
 
