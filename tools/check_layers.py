@@ -15,6 +15,8 @@ from pathlib import Path
 # method_options, orasp) is a folder of its own here.
 LAYERS = {
     "model": {"model"},
+    # Checks what planners claim, so it shares nothing with them; of the model, see MODEL_OF_CERTIFICATES too.
+    "certificate": {"model", "certificate"},
     "containers": {"containers"},
     "task": {"model", "task"},
     "bounds": {"model", "bounds"},
@@ -26,7 +28,7 @@ LAYERS = {
     "learning": {"model", "containers", "task", "bounds", "planners", "learning"},
     "fleet": {"model", "containers", "task", "mip", "fleet"},
     "geometry": {"model", "containers", "task", "geometry"},
-    "io": {"model", "task", "mip", "explain", "learning", "fleet", "geometry", "io"},
+    "io": {"model", "task", "certificate", "mip", "explain", "learning", "fleet", "geometry", "io"},
     "drawing": {"model", "task", "graph", "io", "drawing"},
     "report": {"model", "task", "bounds", "graph", "planners", "explain", "fleet", "io", "report"},
     "catalogue": {"model", "task", "planners", "mip", "execution", "learning", "fleet", "catalogue", "method_options"},
@@ -34,12 +36,15 @@ LAYERS = {
     # What a row of the catalogue says of its options; the two make one.
     "method_options": {"model", "bounds", "catalogue", "method_options"},
     "orasp": {"model", "task", "bounds", "graph", "planners", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
-              "drawing", "catalogue", "method_options"},
+              "drawing", "certificate", "catalogue", "method_options"},
 }
 # Folders that are not for those who use the library, as are those named detail.
 INTERNAL = {"containers"}
 # What every folder may include.
 GROUND = {"orasp/model/error.h", "orasp/model/index.h", "orasp/model/connection_set.h"}
+# What certificates are checked with, of the model: its data, and how plans are checked. Not its rules and rewards for planning.
+MODEL_OF_CERTIFICATES = {f"orasp/model/{name}.h" for name in ("problem", "plan_check", "tolerance", "detail/checked_reward",
+                                                             "detail/wording")}
 # Folders that use the library -> may they include its internal folders?
 USERS = {"cli": False, "python": False, "benchmarks": False, "examples": False, "fuzz": True, "tests": True}
 
@@ -99,6 +104,8 @@ def fault(file, bracket, target):
         if target in GROUND:
             return None
         wanted = layer_of(target[len("orasp/"):])
+        if layer == "certificate" and wanted == "model" and target not in MODEL_OF_CERTIFICATES:
+            return f"certificate may not include {target}"
         return None if wanted in LAYERS[layer] else f"{layer} may not include {wanted}"
     if bracket == '"':
         if in_library:
@@ -141,6 +148,8 @@ ALLOWED = [
     ("src/orasp/model/a.h", "<vector>"),
     ("src/orasp/model/a.cpp", '"orasp/model/b.h"'),
     ("src/orasp/planners/a.h", '"orasp/model/b.h"'),
+    ("src/orasp/certificate/a.cpp", '"orasp/model/plan_check.h"'),
+    ("src/orasp/io/a.cpp", '"orasp/certificate/b.h"'),
     ("src/orasp/planners/a.cpp", '"orasp/containers/b.h"'),
     ("src/orasp/containers/a.cpp", '"orasp/model/error.h"'),
     ("src/orasp/planners/a.cpp", "<sys/resource.h>"),
@@ -171,6 +180,11 @@ ALLOWED = [
 PLANTED = [
     ("src/orasp/model/a.h", '"orasp/planners/b.h"'),
     ("src/orasp/model/a.cpp", '"orasp/io/b.h"'),
+    ("src/orasp/certificate/a.cpp", '"orasp/model/transition_system.h"'),
+    ("src/orasp/certificate/a.cpp", '"orasp/bounds/piece_gains.h"'),
+    ("src/orasp/certificate/a.cpp", '"orasp/planners/a.h"'),
+    ("src/orasp/certificate/a.cpp", '"orasp/graph/a.h"'),
+    ("src/orasp/planners/a.cpp", '"orasp/certificate/a.h"'),
     ("src/orasp/model/a.cpp", "<fmt/format.h>"),
     ("src/orasp/model/a.cpp", "<unistd.h>"),
     ("src/orasp/containers/a.cpp", '"orasp/model/problem.h"'),

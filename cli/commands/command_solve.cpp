@@ -14,14 +14,17 @@
 #include "cli/output/progress.h"
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
+#include "orasp/certificate/certificate.h"
 #include "orasp/explain/alternatives.h"
 #include "orasp/fleet/fleet_mip.h"
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/certificate_json.h"
 #include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/mip/mip.h"
+#include "orasp/model/plan_check.h"
 
 namespace orasp::cli {
 namespace {
@@ -32,10 +35,11 @@ void refuse_idle_options(const SolveOptions& options) {
     throw InputError(
         fmt::format("--write-model belongs to the method mip, not to {}", options.method));
   require_model_file(options.write_model);
-  const char* const idle = !options.output.empty()    ? "--output"
-                           : options.count            ? "--count"
-                           : options.alternatives > 0 ? "--alternatives"
-                                                      : nullptr;
+  const char* const idle = !options.output.empty()        ? "--output"
+                           : !options.certificate.empty() ? "--certificate"
+                           : options.count                ? "--count"
+                           : options.alternatives > 0     ? "--alternatives"
+                                                          : nullptr;
   if (idle != nullptr)
     throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
 }
@@ -153,6 +157,17 @@ void require_sense_of_other_plans(const Problem& problem, const SolveOptions& op
         option, in_quotes(problem.connection_id(*problem.first_uncertain()))));
 }
 
+/// Why no plan is better, or why there is none.
+Certified certify(const Problem& problem, const Result& result, const Budget& budget) {
+  const auto stop = [&budget] { return budget.expired() != Stop::None; };
+  if (result.status == Status::Infeasible)
+    return make_certificate(problem, std::nullopt, 0, kMostCertifiedStates, stop);
+  if (!result.has_plan()) return {{}, "there is neither a plan nor a proof that there is none"};
+  const PlanCheck check =
+      check_plan(problem, Situation::whole(problem.num_connections()), result.sequence);
+  return make_certificate(problem, check.reward, 2 * check.tolerance, kMostCertifiedStates, stop);
+}
+
 }  // namespace
 
 int run(const SolveOptions& options, const Context& context) {
@@ -165,6 +180,10 @@ int run(const SolveOptions& options, const Context& context) {
   task.steps = options.steps;
   require_sense_of_other_plans(problem, options);
   if (!options.write_model.empty()) return write_program(task, options, context);
+  if (!options.certificate.empty()) {
+    if (const std::string reason = without_certificates(problem); !reason.empty())
+      throw InputError("--certificate: " + reason);
+  }
   if (const auto file = options.of_method.find("policy"); file != options.of_method.end()) {
     chosen.policy =
         std::make_shared<const Policy>(read_policy(file->second, problem).trained.policy);
@@ -172,6 +191,7 @@ int run(const SolveOptions& options, const Context& context) {
 
   Result result;
   Alternatives alternatives;
+  Certified certified;
   {
     ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
     Budget budget = make_budget(options.limits);
@@ -184,6 +204,7 @@ int run(const SolveOptions& options, const Context& context) {
     result = solve(task, planner.name, chosen, budget);
     if (system)
       alternatives = find_alternatives(*system, options.count, options.alternatives, budget);
+    if (!options.certificate.empty()) certified = certify(problem, result, budget);
   }
   if (alternatives.stop != Stop::None) {
     result.notes.push_back(fmt::format(
@@ -205,9 +226,17 @@ int run(const SolveOptions& options, const Context& context) {
       context.warn("there is no plan, so " + options.output + " is not written");
     }
   }
+  if (certified.certificate) {
+    write_file(options.certificate, certificate_text(problem, *certified.certificate));
+  } else if (!options.certificate.empty()) {
+    // What stands in the file may be about the plan of yesterday: it is left alone, as that is.
+    context.warn(options.certificate + " is not written: " + certified.reason);
+  }
   context.print(options.json ? plan : summary(task, result, alternatives, options, context));
   const int code = exit_code(result);
-  return code == kSolved && alternatives.stop != Stop::None ? kStopped : code;
+  const bool lacks_certificate = !options.certificate.empty() && !certified.certificate;
+  return code == kSolved && (alternatives.stop != Stop::None || lacks_certificate) ? kStopped
+                                                                                   : code;
 }
 
 CommandWork solve_command(CommandLine& line) {
@@ -226,6 +255,11 @@ CommandWork solve_command(CommandLine& line) {
             "Write the integer program to FILE.lp or FILE.mps for another solver, and solve "
             "nothing (default: solve it).",
             options.write_model);
+  line.group("Proof");
+  line.text("--certificate", "FILE",
+            "Write why no plan is better, or why there is none, for `orasp check` (format "
+            "orasp-certificate/1; default: do not).",
+            options.certificate);
   line.group("Other plans");
   line.flag("--count", options.count,
             "Count the optimal sequences; builds H whatever the method (default: do not).");
@@ -245,7 +279,8 @@ CommandWork solve_command(CommandLine& line) {
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
-              "(the best plan so far is printed), 30 wrong input, 40 internal error.");
+              "(the best plan so far is printed) or no certificate could be written, 30 wrong "
+              "input, 40 internal error.");
   return [chosen](const Context& context) { return run(*chosen, context); };
 }
 

@@ -14,7 +14,8 @@ struct SolveOptions {
   std::string problem;
   std::string method = "auto";
   std::uint64_t seed = 1;
-  std::string output;  ///< file for the plan; empty: none
+  std::string output;       ///< file for the plan; empty: none
+  std::string certificate;  ///< file for the certificate; empty: none
   bool json = false;
   ProblemChanges changes;
   LimitOptions limits;

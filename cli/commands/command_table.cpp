@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "cli/commands/command_check.h"
 #include "cli/commands/command_compare.h"
 #include "cli/commands/command_completion.h"
 #include "cli/commands/command_convert.h"
@@ -21,10 +22,11 @@
 namespace orasp::cli {
 namespace {
 
-constexpr std::array<Command, 15> kCommands = {{
+constexpr std::array<Command, 16> kCommands = {{
     {"solve", "find a plan", solve_command},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
+    {"check", "whether a certificate proves that no plan is better", check_command},
     {"explain", "why there is no plan, or why a connection cannot go first", explain_command},
     {"replan", "the best plan from where the work stands", replan_command},
     {"compare", "several methods on several problems, one table", compare_command},

@@ -168,7 +168,7 @@ def changed(document, path, value):
 class Schemas(unittest.TestCase):
     def test_are_schemas(self):
         names = sorted(path.name for path in (ROOT / "schemas").iterdir())
-        self.assertEqual(len(names), 5)
+        self.assertEqual(len(names), 6)
         for name in names:
             schema = json.loads((ROOT / "schemas" / name).read_text(encoding="utf-8"))
             jsonschema.Draft202012Validator.check_schema(schema)
@@ -346,6 +346,27 @@ class Policies(unittest.TestCase):
         for path, value in [(["format"], "orasp-policy/1"), (["problem_digest"], "x"), (["states"], ABSENT),
                             (["states", 0, "next"], 1), (["states", 0, "removed"], ABSENT)]:
             self.assertNotEqual(faults("orasp-state-policy-1", changed(policy, path, value)), [], path)
+
+    def test_certificates_of_every_kind_fit(self):
+        lattice = ["lattice"]
+        cycle = {"format": "orasp-problem/1", "parts": [{"id": "1"}, {"id": "2"}, {"id": "3"}],
+                 "connections": [{"parts": ["1", "2"]}, {"parts": ["2", "3"]}],
+                 "precedence": [{"connection": "1-2", "after": ["2-3"]}, {"connection": "2-3", "after": ["1-2"]}]}
+        locked = {key: cycle[key] for key in ["format", "parts", "connections"]}
+        locked["blocking"] = {"directions": ["+x", "-x"], "blocked": [{"part": "1", "by": "2", "directions": ["+x", "-x"]}]}
+        schema = "orasp-certificate-1"
+        kinds = []
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "certificate.json"
+            for words, problem in [(lattice, None), ([*lattice, "--objective", "indexed"], None), (["-"], cycle), (["-"], locked)]:
+                orasp("solve", *words, "--certificate", str(file), "--quiet", text=json.dumps(problem) if problem else "")
+                certificate = json.loads(file.read_text(encoding="utf-8"))
+                kinds.append(certificate["kind"])
+                self.assertEqual(faults(schema, certificate), [])
+                for path, value in [(["format"], "orasp-plan/1"), (["problem_digest"], "x"), (["kind"], "pieces"), (["bound"], "0"),
+                                    (["layer"], []), (["bound"], ABSENT)]:
+                    self.assertNotEqual(faults(schema, changed(certificate, path, value)), [], path)
+        self.assertEqual(kinds, ["sizes", "states", "waits", "locked"])
 
     def test_the_first_line_of_a_trained_policy_fits(self):
         with tempfile.TemporaryDirectory() as folder:

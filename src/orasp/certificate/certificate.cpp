@@ -1,0 +1,183 @@
+#include "orasp/certificate/certificate.h"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+#include "orasp/certificate/detail/outward.h"
+#include "orasp/certificate/detail/removals.h"
+#include "orasp/certificate/detail/size_rewards.h"
+
+namespace orasp {
+
+namespace {
+
+using detail::add_up;
+
+/// Bellman's recursion over sizes, every sum rounded up.
+std::optional<Certificate> by_sizes(const Problem& problem) {
+  const detail::SizeRewards rewards(problem);
+  if (!rewards.known()) return std::nullopt;
+  Certificate certificate;
+  const auto pieces = detail::piece_sizes(problem, ConnectionSet::all(problem.num_connections()));
+  const std::size_t largest = pieces.empty() ? 0 : *std::ranges::max_element(pieces);
+  const bool limited = problem.limits().max_moved_parts && problem.spec().base.size() < 2;
+  const std::size_t most = limited ? *problem.limits().max_moved_parts : largest;
+  std::vector<double>& g = certificate.sizes;
+  g.assign(largest + 1, -kInfinity);
+  for (std::size_t n = 0; n <= std::min<std::size_t>(1, largest); ++n) g[n] = 0;
+  for (std::size_t n = 2; n <= largest; ++n) {
+    for (std::size_t a = 1; a <= n / 2 && a <= most; ++a) {
+      for (const std::size_t first : {a, n - a})
+        g[n] = std::max(g[n], add_up(rewards.cut(first, n - first), add_up(g[a], g[n - a])));
+    }
+  }
+  return certificate;
+}
+
+/// All states that can be reached, and from the last layer backwards what is still to be earned.
+Certified by_states(const Problem& problem, std::size_t most_states,
+                    const std::function<bool()>& stop) {
+  detail::Removals removals(problem);
+  const std::size_t connections = problem.num_connections();
+  Certificate certificate;
+  certificate.kind = Certificate::Kind::States;
+  auto& layers = certificate.layers;
+  layers.push_back({{.present = ConnectionSet::all(connections)}});
+  if (!removals.start_allowed()) return {std::move(certificate), {}};
+  using Places = std::unordered_map<ConnectionSet, std::size_t>;
+  std::vector<Places> places(1);
+  places[0].emplace(layers[0][0].present, 0);
+  std::size_t states = 1;
+  const auto give_up = [&](std::size_t done) -> std::optional<Certified> {
+    if (states > most_states)
+      return Certified{{},
+                       "more than " + std::to_string(most_states) +
+                           " states can be reached, which is more than a certificate lists"};
+    if (done % 256 == 0 && stop()) return Certified{{}, "it was stopped"};
+    return std::nullopt;
+  };
+  for (std::size_t k = 0; k < connections; ++k) {
+    layers.emplace_back();
+    places.emplace_back();
+    for (std::size_t i = 0; i < layers[k].size(); ++i) {
+      if (auto given_up = give_up(i)) return *std::move(given_up);
+      ConnectionSet after = layers[k][i].present;
+      removals.look_at(after);
+      for_each_connection(layers[k][i].present.view(), [&](ConnectionIndex c) {
+        if (!removals.allowed(c)) return;
+        after.erase(c);
+        if (places[k + 1].emplace(after, layers[k + 1].size()).second) {
+          layers[k + 1].push_back({.present = after});
+          ++states;
+        }
+        after.insert(c);
+      });
+    }
+  }
+  for (Certificate::State& end : layers[connections]) end.value = 0;
+  for (std::size_t k = connections; k-- > 0;) {
+    for (std::size_t i = 0; i < layers[k].size(); ++i) {
+      if (auto given_up = give_up(i)) return *std::move(given_up);
+      Certificate::State& here = layers[k][i];
+      ConnectionSet after = here.present;
+      removals.look_at(after);
+      bool finite = true;
+      for_each_connection(here.present.view(), [&](ConnectionIndex c) {
+        if (!removals.allowed(c)) return;
+        after.erase(c);
+        const double next = layers[k + 1][places[k + 1].at(after)].value;
+        after.insert(c);
+        if (next == -kInfinity) return;
+        const detail::Removals::Reward reward = removals.reward();
+        finite = finite && reward.finite;
+        here.value = std::max(here.value, add_up(reward.most, next));
+      });
+      if (!finite) return {{}, "some step has no finite reward"};
+    }
+    places.pop_back();
+  }
+  return {std::move(certificate), {}};
+}
+
+/// The largest set of connections each of which waits for another of them, if there is one: those
+/// that wait for none are taken away until all that are left do.
+std::optional<Certificate> by_waiting(const Problem& problem, bool first) {
+  Certificate certificate;
+  certificate.kind = Certificate::Kind::Waits;
+  certificate.first = first;
+  ConnectionSet left = ConnectionSet::all(problem.num_connections());
+  const auto is_left = [&](ConnectionIndex c) { return left.contains(c); };
+  for (bool changed = true; changed;) {
+    ConnectionSet waits(problem.num_connections());
+    for (const PrecedenceClause& clause : problem.precedence()) {
+      const ConnectionIndex c = clause.connection;
+      const auto& any = first ? clause.after_any : clause.made_after_any;
+      if (!any.empty() && std::ranges::all_of(any, is_left)) waits.insert(c);
+      if (first) {
+        if (std::ranges::any_of(clause.after, is_left)) waits.insert(c);
+      } else if (is_left(c)) {
+        for (const ConnectionIndex other : clause.after) {
+          if (other != c) waits.insert(other);
+        }
+      }
+    }
+    changed = false;
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      if (!left.contains(c) || waits.contains(c)) continue;
+      left.erase(c);
+      changed = true;
+    }
+  }
+  if (left.empty()) return std::nullopt;
+  for_each_connection(left.view(), [&](ConnectionIndex c) { certificate.waiting.push_back(c); });
+  return certificate;
+}
+
+/// Two parts that block each other in every direction.
+std::optional<Certificate> by_locked_parts(const Problem& problem) {
+  Certificate certificate;
+  certificate.kind = Certificate::Kind::Locked;
+  for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+    for (const Blocker& blocker : problem.blockers()[part]) {
+      if (blocker.by < part) continue;
+      const bool all = std::ranges::all_of(problem.directions(), [&](DirectionIndex direction) {
+        return problem.blocks(blocker, direction.value());
+      });
+      if (!all) continue;
+      certificate.locked = {part, blocker.by};
+      if (check_certificate(problem, certificate).holds) return certificate;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Certified make_certificate(const Problem& problem, std::optional<double> reward, double tolerance,
+                           std::size_t most_states, const std::function<bool()>& stop) {
+  if (std::string reason = without_certificates(problem); !reason.empty())
+    return {{}, std::move(reason)};
+  const double wanted = reward ? *reward + tolerance : -kInfinity;
+  // The bound that it states is the one that its check proves. Whether it proves what is wanted:
+  const auto proves = [&](Certificate& certificate) {
+    certificate.bound = kInfinity;
+    const CertificateCheck check = check_certificate(problem, certificate);
+    certificate.bound = check.bound;
+    return check.holds && check.bound <= wanted;
+  };
+  if (!reward) {
+    for (const bool first : {true, false}) {
+      if (auto found = by_waiting(problem, first); found && proves(*found)) return {found, {}};
+    }
+    if (auto found = by_locked_parts(problem)) return {found, {}};
+  }
+  if (auto found = by_sizes(problem); found && proves(*found)) return {found, {}};
+  Certified states = by_states(problem, most_states, stop);
+  if (!states.certificate || proves(*states.certificate)) return states;
+  return {{},
+          reward ? "all states together prove a bound above what the plan earns"
+                 : "all states together do not prove that there is no plan"};
+}
+
+}  // namespace orasp

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orasp/model/problem.h"
+#include "orasp/model/tolerance.h"
+
+namespace orasp {
+
+/// Why no plan of a problem earns more than a bound, or why there is none: evidence that whoever
+/// doubts an answer can check without trusting whoever found it (docs/certificates.md).
+struct Certificate {
+  enum class Kind {
+    Sizes,   ///< what the cuts of a piece of n parts gain at most
+    States,  ///< what is still to be earned at most from each state that can be reached
+    Waits,   ///< connections each of which waits for another of them: there is no plan
+    Locked,  ///< two parts that nothing can part: there is no plan
+  };
+  struct State {
+    ConnectionSet present{};  ///< in assembly too: the step looked at backwards removes one of them
+    double value = -kInfinity;  ///< -infinity: nothing leads from here to the end
+  };
+
+  Kind kind = Kind::Sizes;
+  double bound = -kInfinity;  ///< no plan earns more; -infinity: there is none
+  /// Sizes: by number of parts, from 0; -infinity where the limits allow no cut.
+  std::vector<double> sizes{};
+  /// States: by number of connections removed, from 0.
+  std::vector<std::vector<State>> layers{};
+  /// Waits: ascending. `first`: none of them can be the first to be removed; else none can be the
+  /// first to be made.
+  std::vector<ConnectionIndex> waiting{};
+  bool first = true;
+  /// Locked.
+  std::array<PartIndex, 2> locked{};
+};
+
+/// "sizes", "states", "waits", "locked".
+[[nodiscard]] std::string_view kind_name(Certificate::Kind kind);
+
+/// Why there are no certificates for such a problem, in one sentence; empty where there are.
+[[nodiscard]] std::string without_certificates(const Problem& problem);
+
+/// The most states that a certificate lists.
+inline constexpr std::size_t kMostCertifiedStates = 1'000'000;
+
+/// A certificate, or why there is none.
+struct Certified {
+  std::optional<Certificate> certificate{};
+  std::string reason{};  ///< one sentence, where there is none
+};
+
+/// Looks for a certificate that no plan earns more than `reward` (nothing: that there is no plan),
+/// up to `tolerance`.
+/// Idea.      The cheapest first: sizes, for a plan; what waits for itself, locked parts and sizes,
+///            where there is none; then all states, where there are at most `most_states`.
+/// Guarantee. check_certificate() finds nothing wrong with what is returned; it is asked before.
+/// Cost.      Sizes: O(parts^2). States: their number times connections times parts.
+/// Stop.      `stop` is asked now and then; when it says true there is no certificate.
+[[nodiscard]] Certified make_certificate(
+    const Problem& problem, std::optional<double> reward, double tolerance,
+    std::size_t most_states = kMostCertifiedStates,
+    const std::function<bool()>& stop = [] { return false; });
+
+/// What the check of a certificate found.
+struct CertificateCheck {
+  bool holds = false;
+  std::string fault{};             ///< one sentence, where it does not
+  double bound = kInfinity;        ///< proved, rounded up; -infinity: there is no plan
+  std::uint64_t inequalities = 0;  ///< that were verified
+};
+
+/// Checks a certificate.
+/// Problem.   Whoever wrote it may be mistaken, or the file damaged.
+/// Idea.      Its numbers are a potential: each step may earn no more than it takes from it, so a
+///            plan earns no more than what is there at the start. Every inequality is verified from
+///            the problem's own data, and what they prove is added up with every sum rounded up.
+///            It holds if that is no more than the bound that it states.
+/// Reference. Farkas' lemma and the dual of the longest path; McConnell, Mehlhorn, Naeher and
+///            Schweitzer (2011), Certifying algorithms, Computer Science Review 5.
+/// Guarantee. No line is shared with planners, their bounds or their graphs, and none with the
+///            model's rules and rewards for planning (docs/certificates.md says what is shared).
+///            A certificate with other numbers may hold, if what it says is still proved.
+/// Cost.      As make_certificate().
+/// Errors.    @throws InputError as check_plan().
+[[nodiscard]] CertificateCheck check_certificate(const Problem& problem,
+                                                 const Certificate& certificate);
+
+/// The verdict on a plan and a certificate together.
+struct OptimalityCheck {
+  bool proved = false;  ///< the plan is legal, and none earns more than it by more than `tolerance`
+  std::string fault{};  ///< one sentence, where it is not
+  double reward = 0;
+  double bound = kInfinity;
+  double tolerance = 0;  ///< what sums of the plan's rewards may lose or gain, twice
+  std::uint64_t inequalities = 0;
+};
+
+/// Replays a plan (check_plan()), checks a certificate, and compares. The steps are those of the
+/// problem's direction. @throws InputError as check_plan().
+[[nodiscard]] OptimalityCheck check_optimality(const Problem& problem,
+                                               std::span<const ConnectionIndex> plan,
+                                               const Certificate& certificate);
+
+}  // namespace orasp

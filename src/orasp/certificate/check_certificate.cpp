@@ -1,0 +1,356 @@
+#include <algorithm>
+#include <string>
+#include <unordered_map>
+
+#include "orasp/certificate/certificate.h"
+#include "orasp/certificate/detail/outward.h"
+#include "orasp/certificate/detail/removals.h"
+#include "orasp/certificate/detail/size_rewards.h"
+#include "orasp/model/detail/wording.h"
+#include "orasp/model/plan_check.h"
+
+namespace orasp {
+
+namespace {
+
+using detail::add_up;
+using detail::Removals;
+using detail::SizeRewards;
+
+/// One check; each of the four returns a fault, or nothing and the bound that it has proved.
+class Checker {
+ public:
+  Checker(const Problem& problem, const Certificate& certificate)
+      : problem_(problem), certificate_(certificate) {}
+
+  CertificateCheck run() {
+    CertificateCheck check;
+    check.fault = without_certificates(problem_);
+    if (check.fault.empty()) check.fault = fault();
+    check.inequalities = inequalities_;
+    check.bound = proved_;
+    if (!check.fault.empty()) {
+      check.bound = kInfinity;
+      return check;
+    }
+    // Not `proved_ > bound`: a bound that is no number states nothing.
+    check.holds = proved_ <= certificate_.bound;
+    if (!check.holds)
+      check.fault = "it proves that no plan earns more than " + detail::number_text(proved_) +
+                    ", and states " +
+                    (certificate_.bound == -kInfinity
+                         ? std::string("that there is no plan")
+                         : "the smaller bound " + detail::number_text(certificate_.bound));
+    return check;
+  }
+
+ private:
+  std::string fault() {
+    switch (certificate_.kind) {
+      case Certificate::Kind::Sizes: return fault_of_sizes();
+      case Certificate::Kind::States: return fault_of_states();
+      case Certificate::Kind::Waits: return fault_of_waits();
+      case Certificate::Kind::Locked: break;
+    }
+    return fault_of_locked();
+  }
+
+  std::string fault_of_sizes();
+  double bound_by_sizes(const SizeRewards& rewards);
+  std::string fault_of_states();
+  std::string fault_of_waits();
+  std::string fault_of_locked();
+  [[nodiscard]] bool waits(ConnectionIndex connection, const ConnectionSet& others) const;
+
+  const Problem& problem_;
+  const Certificate& certificate_;
+  double proved_ = kInfinity;
+  std::uint64_t inequalities_ = 0;
+};
+
+// A table g over numbers of parts, with g(1) = 0 and, for every cut that the limits do not forbid,
+//
+//     g(a + b) >= cut(a, b) + g(a) + g(b).
+//
+// The sum of g over the pieces of a state is a potential of what its cuts earn: a cut of any piece
+// takes at least what it earns from it, and at the end all pieces are single parts. -infinity says
+// that a piece can never be taken apart.
+std::string Checker::fault_of_sizes() {
+  const SizeRewards rewards(problem_);
+  if (!rewards.known())
+    return "the objective is not told by the sizes of pieces, and the kind \"sizes\" proves "
+           "nothing of it";
+  const std::vector<double>& g = certificate_.sizes;
+  const auto pieces = detail::piece_sizes(problem_, ConnectionSet::all(problem_.num_connections()));
+  const std::size_t largest = pieces.empty() ? 0 : *std::ranges::max_element(pieces);
+  if (g.size() != largest + 1)
+    return "sizes: " + std::to_string(largest + 1) + " numbers are wanted, for pieces of 0 to " +
+           std::to_string(largest) + " parts, and " + std::to_string(g.size()) + " are there";
+  if (largest >= 1 && g[1] != 0) return "sizes[1]: a single part is worth 0";
+  // Two pieces that both hold base parts come apart without a motion, which no limit forbids.
+  const bool limited = problem_.limits().max_moved_parts && problem_.spec().base.size() < 2;
+  const std::size_t most = limited ? *problem_.limits().max_moved_parts : largest;
+  for (std::size_t n = 2; n <= largest; ++n) {
+    for (std::size_t a = 1; a <= n / 2 && a <= most; ++a) {
+      // The first part of the connection may be on either side.
+      for (const std::size_t first : {a, n - a}) {
+        const double worth = add_up(rewards.cut(first, n - first), add_up(g[a], g[n - a]));
+        ++inequalities_;
+        if (!(g[n] >= worth))
+          return "sizes[" + std::to_string(n) + "]: " + detail::number_text(g[n]) +
+                 " is less than a cut into " + std::to_string(a) + " and " + std::to_string(n - a) +
+                 " parts is worth, " + detail::number_text(worth);
+      }
+    }
+  }
+  proved_ = bound_by_sizes(rewards);
+  return {};
+}
+
+// What every step earns by its connection, what cuts earn, and what the step that completes earns
+// more than that.
+double Checker::bound_by_sizes(const SizeRewards& rewards) {
+  const std::vector<double>& g = certificate_.sizes;
+  const std::size_t connections = problem_.num_connections();
+  if (connections == 0) return 0;
+  Removals removals(problem_);
+  if (!removals.start_allowed()) return -kInfinity;
+  ConnectionSet all = ConnectionSet::all(connections);
+  const auto worth = [&](const ConnectionSet& present) {
+    double sum = 0;
+    for (const std::size_t parts : detail::piece_sizes(problem_, present))
+      sum = add_up(sum, g[parts]);
+    return sum;
+  };
+  double owns = 0;
+  for (ConnectionIndex c = 0; c < connections; ++c) owns = add_up(owns, rewards.own(c));
+  double best = -kInfinity;
+  if (problem_.direction() == Direction::Disassembly) {
+    // One connection is left, so if it separates, then two single parts.
+    for (ConnectionIndex c = 0; c < connections; ++c) {
+      const bool separates = problem_.ends(c)[0] != problem_.ends(c)[1];
+      double more = add_up(rewards.last(c, separates, 1, 1), -rewards.own(c));
+      if (separates) more = g[2] == -kInfinity ? -kInfinity : add_up(more, -g[2]);
+      best = std::max(best, more);
+    }
+    const double pieces = worth(all);
+    return pieces == -kInfinity ? pieces : add_up(add_up(pieces, owns), best);
+  }
+  // Looked at backwards the first removal is the step that completes.
+  removals.look_at(all);
+  for (ConnectionIndex c = 0; c < connections; ++c) {
+    if (!removals.allowed(c)) continue;
+    all.erase(c);
+    const double more =
+        add_up(rewards.last(c, removals.separates(), removals.a_parts(), removals.b_parts()),
+               -rewards.own(c));
+    best = std::max(best, add_up(worth(all), more));
+    all.insert(c);
+  }
+  return add_up(best, owns);
+}
+
+// A number h for each state that can be reached, layer by layer. With v(k) the most by which a step
+// out of layer k earns more than h(before) - h(after), a plan earns at most h(start) - h(end) plus
+// the sum of all v(k) that are above 0. Where h is right up to rounding they are almost nothing.
+std::string Checker::fault_of_states() {
+  const auto& layers = certificate_.layers;
+  const std::size_t connections = problem_.num_connections();
+  Removals removals(problem_);
+  using Values = std::unordered_map<ConnectionSet, double>;
+  Values reached;
+  const ConnectionSet all = ConnectionSet::all(connections);
+  const auto listed = [&](std::size_t layer) {
+    Values values;
+    if (layer < layers.size()) {
+      for (const Certificate::State& state : layers[layer])
+        values.emplace(state.present, state.value);
+    }
+    return values;
+  };
+  const Values first = listed(0);
+  const auto start = first.find(all);
+  if (start == first.end())
+    return "layers[0]: the state in which all connections are there is missing";
+  if (!removals.start_allowed()) {
+    proved_ = -kInfinity;
+    return {};
+  }
+  reached.emplace(all, start->second);
+  double bound = start->second;
+  for (std::size_t k = 0; k < connections && !reached.empty(); ++k) {
+    const Values next = listed(k + 1);
+    Values reached_next;
+    double most = 0;
+    for (const auto& [present, here] : reached) {
+      removals.look_at(present);
+      ConnectionSet after = present;
+      std::string missing;
+      for_each_connection(present.view(), [&](ConnectionIndex c) {
+        if (!missing.empty() || !removals.allowed(c)) return;
+        after.erase(c);
+        const auto found = next.find(after);
+        const auto step = [&] {
+          return "a step out of layer " + std::to_string(k) + ", at " +
+                 detail::in_quotes(problem_.connection_id(c)) + ", ";
+        };
+        ++inequalities_;
+        if (found == next.end()) {
+          missing = "layers[" + std::to_string(k + 1) + "]: " + step() +
+                    "leads to a state that is not listed";
+        } else if (found->second > -kInfinity) {
+          if (here == -kInfinity) {
+            missing = "layers[" + std::to_string(k) + "]: " + step() +
+                      "leads on from a state that is listed as a dead end";
+          } else {
+            const Removals::Reward reward = removals.reward();
+            if (!reward.finite) missing = step() + "has no finite reward";
+            most = std::max(most, add_up(add_up(reward.most, found->second), -here));
+          }
+        }
+        if (found != next.end()) reached_next.emplace(after, found->second);
+        after.insert(c);
+      });
+      if (!missing.empty()) return missing;
+    }
+    bound = add_up(bound, most);
+    reached = std::move(reached_next);
+  }
+  for (const auto& [present, value] : reached) {
+    if (present.empty() && !(value >= 0))
+      return "layers[" + std::to_string(connections) + "]: the end is worth 0 or more";
+  }
+  proved_ = bound;
+  return {};
+}
+
+// Whether `connection` cannot be handled before all of `others`, of which it is one.
+bool Checker::waits(ConnectionIndex connection, const ConnectionSet& others) const {
+  const auto is_other = [&](ConnectionIndex c) { return others.contains(c); };
+  return std::ranges::any_of(problem_.precedence(), [&](const PrecedenceClause& clause) {
+    if (certificate_.first) {
+      return clause.connection == connection &&
+             (std::ranges::any_of(clause.after, is_other) ||
+              (!clause.after_any.empty() && std::ranges::all_of(clause.after_any, is_other)));
+    }
+    if (clause.connection != connection) {
+      return others.contains(clause.connection) &&
+             std::ranges::find(clause.after, connection) != clause.after.end();
+    }
+    return !clause.made_after_any.empty() && std::ranges::all_of(clause.made_after_any, is_other);
+  });
+}
+
+std::string Checker::fault_of_waits() {
+  ConnectionSet others(problem_.num_connections());
+  for (const ConnectionIndex c : certificate_.waiting) {
+    if (c >= problem_.num_connections()) return "waiting: no such connection";
+    others.insert(c);
+  }
+  if (others.empty()) return "waiting: nothing is listed";
+  for (const ConnectionIndex c : certificate_.waiting) {
+    ++inequalities_;
+    if (!waits(c, others))
+      return "waiting: " + detail::in_quotes(problem_.connection_id(c)) +
+             " waits for no other that is listed";
+  }
+  proved_ = -kInfinity;
+  return {};
+}
+
+// Two parts of one piece of the product are single at the end, so that some step moves one of them
+// off the other, unless both are in pieces that hold base parts.
+std::string Checker::fault_of_locked() {
+  const auto [a, b] = certificate_.locked;
+  if (a >= problem_.num_parts() || b >= problem_.num_parts() || a == b)
+    return "parts: two parts are wanted";
+  if (problem_.spec().base.size() > 1)
+    return "parts: pieces that both hold base parts come apart without a motion";
+  if (problem_.directions().empty()) return "parts: the problem has no blocking";
+  for (const auto& [part, by] : {std::pair{a, b}, std::pair{b, a}}) {
+    for (const DirectionIndex direction : problem_.directions()) {
+      ++inequalities_;
+      const bool blocked =
+          std::ranges::any_of(problem_.blockers()[part], [&, by = by](const Blocker& blocker) {
+            return blocker.by == by && problem_.blocks(blocker, direction.value());
+          });
+      if (!blocked)
+        return "parts: " + detail::in_quotes(problem_.part_id(part)) + " can leave " +
+               detail::in_quotes(problem_.part_id(by)) + " along " +
+               problem_.direction_name(direction);
+    }
+  }
+  // They hang together if adding a connection between them leaves as many pieces.
+  std::vector<bool> reached(problem_.num_parts(), false);
+  reached[a] = true;
+  for (bool more = true; more;) {
+    more = false;
+    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
+      const auto [one, other] = problem_.ends(c);
+      if (reached[one] == reached[other]) continue;
+      reached[one] = reached[other] = more = true;
+    }
+  }
+  if (!reached[b]) return "parts: the two do not hang together";
+  proved_ = -kInfinity;
+  return {};
+}
+
+}  // namespace
+
+std::string_view kind_name(Certificate::Kind kind) {
+  switch (kind) {
+    case Certificate::Kind::Sizes: return "sizes";
+    case Certificate::Kind::States: return "states";
+    case Certificate::Kind::Waits: return "waits";
+    case Certificate::Kind::Locked: break;
+  }
+  return "locked";
+}
+
+std::string without_certificates(const Problem& problem) {
+  const ProblemSpec& spec = problem.spec();
+  const std::string of = "certificates are for plans of one robot that take one connection a step";
+  if (problem.objective().of_fleet()) return of + "; the objective is one of several robots";
+  if (spec.action == StepKind::Part) return of + "; here steps take parts";
+  if (spec.goal) return of + " until none is left; the problem has a goal";
+  if (problem.uncertain()) return of + "; here attempts may fail";
+  if (detail::CheckedReward(problem).looks_back())
+    return of + " and earns the same whatever came before; the objective looks back";
+  if (detail::CheckedReward(problem).needs_step())
+    return "the objective is a function of the caller, of which a certificate proves nothing";
+  return {};
+}
+
+CertificateCheck check_certificate(const Problem& problem, const Certificate& certificate) {
+  return Checker(problem, certificate).run();
+}
+
+OptimalityCheck check_optimality(const Problem& problem, std::span<const ConnectionIndex> plan,
+                                 const Certificate& certificate) {
+  OptimalityCheck verdict;
+  const PlanCheck replay = check_plan(problem, Situation::whole(problem.num_connections()), plan);
+  verdict.reward = replay.reward;
+  verdict.tolerance = 2 * replay.tolerance;
+  if (!replay.legal) {
+    verdict.fault = "the plan is not legal: " + replay.fault;
+    return verdict;
+  }
+  const CertificateCheck check = check_certificate(problem, certificate);
+  verdict.bound = certificate.bound;
+  verdict.inequalities = check.inequalities;
+  if (!check.holds) {
+    verdict.fault = "the certificate does not hold: " + check.fault;
+  } else if (certificate.bound == -kInfinity) {
+    verdict.fault = "the certificate says that there is no plan, and here is one";
+  } else if (certificate.bound - replay.reward > verdict.tolerance) {
+    verdict.fault = "the plan earns " + detail::number_text(replay.reward) +
+                    ", and the certificate bounds plans by " +
+                    detail::number_text(certificate.bound) + " only";
+  } else {
+    verdict.proved = true;
+  }
+  return verdict;
+}
+
+}  // namespace orasp

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "orasp/model/problem.h"
+
+namespace orasp::detail {
+
+/// What steps earn where a cut is told by the sizes of its two pieces: the sentences of
+/// docs/format.md about `piece_cost`, `cubesat`, `custom`, `cubesat_zone`, `completion`, `time`
+/// where no part has a position, `fuel` where all parts weigh the same, and weighted sums of these,
+/// read once more for certificates.
+///
+///     a step that does not complete earns  own(c) + (cut(a, b) if it separates),
+///     the one that completes earns         last(c, separates, a, b).
+///
+/// Each of the three is rounded up, and the greatest where several values are possible.
+class SizeRewards {
+ public:
+  explicit SizeRewards(const Problem& problem);
+
+  /// Whether the objective is one of those above.
+  [[nodiscard]] bool known() const { return known_; }
+  [[nodiscard]] double own(ConnectionIndex connection) const;
+  [[nodiscard]] double cut(std::size_t a, std::size_t b) const;
+  [[nodiscard]] double last(ConnectionIndex connection, bool separates, std::size_t a,
+                            std::size_t b) const;
+
+ private:
+  struct Addend {
+    double weight;
+    const ObjectiveParameters* parameters;
+  };
+  void add(const Objective& objective, double weight);
+  [[nodiscard]] double zone_cut(double weight, std::size_t a, std::size_t b) const;
+  [[nodiscard]] double transfer(double weight, double seconds) const;
+  [[nodiscard]] double fuel_cut(double weight, const Fuel& fuel, std::size_t a,
+                                std::size_t b) const;
+
+  const Problem& problem_;
+  bool known_ = true;
+  std::vector<Addend> addends_;
+  std::vector<bool> starts_;  ///< by size: whether the whole product has a piece of that many parts
+  std::size_t largest_ = 0;   ///< of its pieces
+  bool some_fixed_ = false;   ///< a base part decides which side moves
+  bool some_stay_ = false;    ///< a cut may move nothing, since there are several base parts
+};
+
+/// The numbers of parts of the pieces that `present` leaves, single parts among them.
+[[nodiscard]] std::vector<std::size_t> piece_sizes(const Problem& problem,
+                                                   const ConnectionSet& present);
+
+}  // namespace orasp::detail

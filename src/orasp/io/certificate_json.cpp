@@ -1,0 +1,249 @@
+#include "orasp/io/certificate_json.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "orasp/io/detail/json_document.h"
+#include "orasp/io/detail/json_text.h"
+#include "orasp/io/problem_json.h"
+#include "orasp/model/detail/wording.h"
+
+namespace orasp {
+namespace {
+
+using detail::in_quotes;
+using detail::inline_text;
+using detail::JsonDocument;
+using detail::JsonKind;
+using detail::JsonValue;
+using detail::number_or_null;
+
+constexpr std::string_view kCertificateFormat = "orasp-certificate/1";
+constexpr std::string_view kHexDigits = "0123456789abcdef";
+constexpr std::array kKinds = {Certificate::Kind::Sizes, Certificate::Kind::States,
+                               Certificate::Kind::Waits, Certificate::Kind::Locked};
+
+/// A digit for four connections, the first one for the first four; its lowest bit is the first.
+std::string digits_of(const ConnectionSet& present, std::size_t connections) {
+  std::string digits((connections + 3) / 4, '0');
+  std::vector<unsigned> values(digits.size(), 0);
+  for_each_connection(present.view(), [&](ConnectionIndex c) { values[c / 4] |= 1U << (c % 4); });
+  for (std::size_t i = 0; i < digits.size(); ++i) digits[i] = kHexDigits[values[i]];
+  return digits;
+}
+
+/// Reads one file; every member throws InputError that names the place.
+class CertificateReader {
+ public:
+  CertificateReader(const Problem& problem, JsonValue root) : problem_(problem) {
+    if (!root.is(JsonKind::Object))
+      throw InputError("expected an object, found " + root.description());
+    root.for_each([this](JsonValue member) { members_.emplace(member.key(), member); });
+  }
+
+  Certificate read() {
+    const std::string format = text(member("format"), "format");
+    if (format != kCertificateFormat)
+      throw InputError(fmt::format("format: {} is not the format of a certificate; that is \"{}\"",
+                                   in_quotes(format), kCertificateFormat));
+    if (text(member("problem_digest"), "problem_digest") != problem_digest(problem_))
+      throw InputError(
+          "problem_digest: the certificate was made for another problem than this one, objective, "
+          "limits and direction included");
+    if (members_.contains("problem")) text(member("problem"), "problem");
+    const std::string kind = text(member("kind"), "kind");
+    const auto* const known =
+        std::ranges::find_if(kKinds, [&](Certificate::Kind one) { return kind_name(one) == kind; });
+    if (known == kKinds.end())
+      throw InputError(
+          fmt::format("kind: {} is none; kinds are \"sizes\", \"states\", \"waits\" and \"locked\"",
+                      in_quotes(kind)));
+    certificate_.kind = *known;
+    certificate_.bound = number(member("bound"), "bound");
+    switch (certificate_.kind) {
+      case Certificate::Kind::Sizes: read_sizes(); break;
+      case Certificate::Kind::States: read_layers(); break;
+      case Certificate::Kind::Waits: read_waiting(); break;
+      case Certificate::Kind::Locked: read_parts(); break;
+    }
+    for (const auto& [key, value] : members_) {
+      static_cast<void>(value);
+      if (!asked_.contains(key) && key != "problem" && key != "note" && !key.starts_with("x-"))
+        throw InputError(fmt::format("unknown key {}", in_quotes(key)));
+    }
+    return std::move(certificate_);
+  }
+
+ private:
+  JsonValue member(const std::string& key) {
+    const auto found = members_.find(key);
+    if (found == members_.end())
+      throw InputError(fmt::format("the key {} is missing", in_quotes(key)));
+    asked_.emplace(key, true);
+    return found->second;
+  }
+  static JsonValue expect(JsonValue value, JsonKind kind, const std::string& place,
+                          std::string_view wanted) {
+    if (!value.is(kind))
+      throw InputError(
+          detail::at(place, fmt::format("expected {}, found {}", wanted, value.description())));
+    return value;
+  }
+  static std::string text(JsonValue value, const std::string& place) {
+    return std::string(expect(value, JsonKind::String, place, "a string").string());
+  }
+  /// null stands for -infinity.
+  static double number(JsonValue value, const std::string& place) {
+    if (value.is(JsonKind::Null)) return -kInfinity;
+    return expect(value, JsonKind::Number, place, "a number or null").number();
+  }
+
+  void read_sizes() {
+    expect(member("sizes"), JsonKind::Array, "sizes", "an array of numbers")
+        .for_each([this](JsonValue value) {
+          certificate_.sizes.push_back(
+              number(value, fmt::format("sizes[{}]", certificate_.sizes.size())));
+        });
+  }
+  void read_layers() {
+    auto& layers = certificate_.layers;
+    expect(member("layers"), JsonKind::Array, "layers", "an array of arrays")
+        .for_each([&](JsonValue layer) {
+          const std::string place = fmt::format("layers[{}]", layers.size());
+          layers.emplace_back();
+          expect(layer, JsonKind::Array, place, "an array of states")
+              .for_each([&](JsonValue entry) {
+                layers.back().push_back(
+                    state(entry, fmt::format("{}[{}]", place, layers.back().size())));
+              });
+        });
+  }
+  [[nodiscard]] Certificate::State state(JsonValue entry, const std::string& place) const {
+    expect(entry, JsonKind::Array, place, "a state and its number");
+    if (entry.size() != 2)
+      throw InputError(detail::at(place, "expected a state and its number, found " +
+                                             std::to_string(entry.size()) + " values"));
+    Certificate::State state;
+    bool first = true;
+    entry.for_each([&](JsonValue value) {
+      if (first) {
+        state.present = set(text(value, place + "[0]"), place + "[0]");
+      } else {
+        state.value = number(value, place + "[1]");
+      }
+      first = false;
+    });
+    return state;
+  }
+  [[nodiscard]] ConnectionSet set(const std::string& digits, const std::string& place) const {
+    const std::size_t connections = problem_.num_connections();
+    ConnectionSet present(connections);
+    bool fits = digits.size() == (connections + 3) / 4;
+    for (std::size_t i = 0; fits && i < digits.size(); ++i) {
+      const std::size_t value = kHexDigits.find(digits[i]);
+      if (value == std::string_view::npos) fits = false;
+      for (std::size_t bit = 0; fits && bit < 4; ++bit) {
+        if ((value >> bit & 1U) == 0) continue;
+        fits = 4 * i + bit < connections;
+        if (fits) present.insert(static_cast<ConnectionIndex>(4 * i + bit));
+      }
+    }
+    if (!fits)
+      throw InputError(
+          detail::at(place, fmt::format("{} is no set of {} connections: a hexadecimal "
+                                        "digit stands for four of them",
+                                        in_quotes(digits), connections)));
+    return present;
+  }
+  void read_waiting() {
+    const std::string end = text(member("end"), "end");
+    if (end != "first removed" && end != "first made")
+      throw InputError("end: expected \"first removed\" or \"first made\", found " +
+                       in_quotes(end));
+    certificate_.first = end == "first removed";
+    expect(member("waiting"), JsonKind::Array, "waiting", "an array of connection ids")
+        .for_each([this](JsonValue id) {
+          const std::string place = fmt::format("waiting[{}]", certificate_.waiting.size());
+          certificate_.waiting.push_back(problem_.find_connection(text(id, place), place));
+        });
+  }
+  void read_parts() {
+    const JsonValue parts = expect(member("parts"), JsonKind::Array, "parts", "two part ids");
+    if (parts.size() != 2)
+      throw InputError(fmt::format("parts: expected two part ids, found {}", parts.size()));
+    std::size_t i = 0;
+    parts.for_each([&](JsonValue id) {
+      const std::string place = fmt::format("parts[{}]", i);
+      certificate_.locked.at(i++) = problem_.find_part(text(id, place), place);
+    });
+  }
+
+  const Problem& problem_;
+  Certificate certificate_;
+  std::map<std::string, JsonValue, std::less<>> members_;
+  std::map<std::string, bool, std::less<>> asked_;
+};
+
+}  // namespace
+
+std::string certificate_text(const Problem& problem, const Certificate& certificate) {
+  std::string text = "{\n  \"format\": " + inline_text(kCertificateFormat);
+  const auto put = [&text](std::string_view key, const nlohmann::ordered_json& value) {
+    text.append(",\n  \"").append(key).append("\": ").append(inline_text(value));
+  };
+  put("problem", problem.name());
+  put("problem_digest", problem_digest(problem));
+  put("kind", kind_name(certificate.kind));
+  put("bound", number_or_null(certificate.bound));
+  switch (certificate.kind) {
+    case Certificate::Kind::Sizes: {
+      auto sizes = nlohmann::ordered_json::array();
+      for (const double value : certificate.sizes) sizes.push_back(number_or_null(value));
+      put("sizes", sizes);
+      break;
+    }
+    case Certificate::Kind::States: {
+      text += ",\n  \"layers\": [";
+      const char* between_layers = "\n    [";
+      for (const auto& layer : certificate.layers) {
+        text += between_layers;
+        between_layers = ",\n    [";
+        const char* between = "\n      ";
+        for (const Certificate::State& state : layer) {
+          text += between;
+          between = ",\n      ";
+          text += "[\"" + digits_of(state.present, problem.num_connections()) + "\", " +
+                  inline_text(number_or_null(state.value)) + "]";
+        }
+        text += "]";
+      }
+      text += "\n  ]";
+      break;
+    }
+    case Certificate::Kind::Waits: {
+      put("end", certificate.first ? "first removed" : "first made");
+      auto ids = nlohmann::ordered_json::array();
+      for (const ConnectionIndex c : certificate.waiting) ids.push_back(problem.connection_id(c));
+      put("waiting", ids);
+      break;
+    }
+    case Certificate::Kind::Locked:
+      put("parts",
+          {problem.part_id(certificate.locked[0]), problem.part_id(certificate.locked[1])});
+      break;
+  }
+  return text + "\n}\n";
+}
+
+Certificate parse_certificate(const Problem& problem, std::string_view text) {
+  const JsonDocument document = JsonDocument::parse(text);
+  return CertificateReader(problem, document.root()).read();
+}
+
+}  // namespace orasp

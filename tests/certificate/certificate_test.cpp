@@ -1,0 +1,235 @@
+// Certificates against brute force on seeded random problems (tests/random_problems.h,
+// tests/oracle.h): they are written where there is something to prove, they hold, and a damaged one
+// holds only where what it says is still true.
+
+#include "orasp/certificate/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "orasp/catalogue.h"
+#include "orasp/io/certificate_json.h"
+#include "orasp/io/scenarios.h"
+#include "orasp/model/plan_check.h"
+#include "orasp/model/random.h"
+#include "tests/checks.h"
+#include "tests/oracle.h"
+#include "tests/random_problems.h"
+#include "tests/seeds.h"
+
+namespace orasp {
+namespace {
+
+constexpr std::uint64_t kSeeds = 500;
+
+/// Whether the claim of a certificate is true, by brute force.
+bool true_claim(double bound, const oracle::OracleResult& truth) {
+  return truth.feasible ? bound >= truth.best - reward_tolerance(truth.best) : true;
+}
+
+struct Answer {
+  Result result;
+  Certified certified;
+};
+
+Answer answer(const Problem& problem) {
+  Answer found;
+  found.result = solve(problem, "auto");
+  if (found.result.status == Status::Infeasible) {
+    found.certified = make_certificate(problem, std::nullopt, 0);
+  } else {
+    const PlanCheck check =
+        check_plan(problem, Situation::whole(problem.num_connections()), found.result.sequence);
+    found.certified = make_certificate(problem, check.reward, 2 * check.tolerance);
+  }
+  return found;
+}
+
+/// The kinds are counted, so that the test is known to look at each of them.
+TEST(CertificateTest, EveryAnswerToARandomProblemIsCertified) {
+  std::map<std::pair<Certificate::Kind, Direction>, int> met;
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
+    const ProblemSpec spec = random_problem(seed);
+    SCOPED_TRACE(spec.name);
+    const Problem problem(spec);
+    if (!without_certificates(problem).empty()) continue;
+    const oracle::OracleResult truth = oracle::brute_force(spec);
+    const Answer found = answer(problem);
+    ASSERT_TRUE(found.certified.certificate) << found.certified.reason;
+    const Certificate& certificate = *found.certified.certificate;
+    ++met[{certificate.kind, problem.direction()}];
+    EXPECT_TRUE(check_certificate(problem, certificate).holds);
+    const Certificate read = parse_certificate(problem, certificate_text(problem, certificate));
+    if (truth.feasible) {
+      const OptimalityCheck check = check_optimality(problem, found.result.sequence, read);
+      EXPECT_TRUE(check.proved) << check.fault;
+      EXPECT_NEAR(read.bound, truth.best, reward_tolerance(truth.best));
+    } else {
+      const CertificateCheck check = check_certificate(problem, read);
+      EXPECT_TRUE(check.holds) << check.fault;
+      EXPECT_EQ(check.bound, -kInfinity);
+    }
+  }
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+    EXPECT_GE((met[{Certificate::Kind::Sizes, direction}]), least_of(10));
+    EXPECT_GE((met[{Certificate::Kind::States, direction}]), least_of(50));
+    EXPECT_GE((met[{Certificate::Kind::Waits, direction}]), least_of(10));
+    EXPECT_GE((met[{Certificate::Kind::Locked, direction}]), least_of(1));
+  }
+}
+
+/// A bound by sizes is one whether it is reached or not, and so is a potential of states.
+TEST(CertificateTest, WhatIsProvedIsNeverBelowTheBest) {
+  int by_sizes = 0;
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
+    ProblemSpec spec = random_problem(seed);
+    spec.objective =
+        random_objective(std::vector<std::string>{"cubesat", "cubesat_zone", "custom", "piece_cost",
+                                                  "completion", "fuel", "time"}[seed % 7],
+                         seed);
+    SCOPED_TRACE(spec.name);
+    const Problem problem(spec);
+    if (!without_certificates(problem).empty()) continue;
+    const oracle::OracleResult truth = oracle::brute_force(spec);
+    // Whatever is asked for is proved: the cheapest kind, with the bound that it has.
+    const Certified certified = make_certificate(problem, kInfinity, 0);
+    ASSERT_TRUE(certified.certificate) << certified.reason;
+    if (certified.certificate->kind == Certificate::Kind::Sizes) ++by_sizes;
+    EXPECT_TRUE(true_claim(certified.certificate->bound, truth))
+        << certified.certificate->bound << " < " << truth.best;
+  }
+  EXPECT_GE(by_sizes, least_of(300));
+}
+
+/// Changes one thing in a certificate. Returns whether there was something to change.
+bool damage(Certificate& certificate, SplitMix64& random) {
+  const auto other = [&](double value) {
+    const double by =
+        (random.below(2) == 0 ? 1 : -1) * std::ldexp(1.0, -static_cast<int>(random.below(30)));
+    return std::isfinite(value) ? value + by : by;
+  };
+  if (random.below(5) == 0) {
+    certificate.bound = random.below(4) == 0 ? -kInfinity : other(certificate.bound);
+    return true;
+  }
+  switch (certificate.kind) {
+    case Certificate::Kind::Sizes: {
+      if (certificate.sizes.empty()) return false;
+      const std::size_t at = random.below(certificate.sizes.size());
+      if (random.below(4) == 0) {
+        certificate.sizes.erase(certificate.sizes.begin() + static_cast<std::ptrdiff_t>(at));
+      } else {
+        certificate.sizes[at] = random.below(4) == 0 ? -kInfinity : other(certificate.sizes[at]);
+      }
+      return true;
+    }
+    case Certificate::Kind::States: {
+      auto& layer = certificate.layers[random.below(certificate.layers.size())];
+      if (layer.empty()) return false;
+      const std::size_t at = random.below(layer.size());
+      if (random.below(4) == 0) {
+        layer.erase(layer.begin() + static_cast<std::ptrdiff_t>(at));
+      } else {
+        layer[at].value = random.below(4) == 0 ? -kInfinity : other(layer[at].value);
+      }
+      return true;
+    }
+    case Certificate::Kind::Waits:
+      certificate.waiting.erase(
+          certificate.waiting.begin() +
+          static_cast<std::ptrdiff_t>(random.below(certificate.waiting.size())));
+      return true;
+    case Certificate::Kind::Locked: break;
+  }
+  certificate.locked[1] = static_cast<PartIndex>((certificate.locked[1] + 1) % 3);
+  return true;
+}
+
+TEST(CertificateTest, ADamagedOneHoldsOnlyWhereItStillTellsTheTruth) {
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
+    const ProblemSpec spec = random_problem(seed);
+    SCOPED_TRACE(spec.name);
+    const Problem problem(spec);
+    if (!without_certificates(problem).empty()) continue;
+    const oracle::OracleResult truth = oracle::brute_force(spec);
+    const Answer found = answer(problem);
+    ASSERT_TRUE(found.certified.certificate) << found.certified.reason;
+    SplitMix64 random(seed);
+    for (int i = 0; i < 8; ++i) {
+      Certificate certificate = *found.certified.certificate;
+      if (!damage(certificate, random)) continue;
+      const CertificateCheck check = check_certificate(problem, certificate);
+      if (!check.holds) {
+        EXPECT_FALSE(check.fault.empty());
+        ++refused;
+      } else {
+        EXPECT_TRUE(true_claim(certificate.bound, truth))
+            << certificate_text(problem, certificate) << " but " << truth.best;
+        EXPECT_TRUE(true_claim(check.bound, truth));
+      }
+    }
+  }
+  EXPECT_GE(refused, least_of(1000));
+}
+
+// In decimals the three steps cost 0.1 each, 0.3 in all; in binary 0.1 + 0.1 + 0.1 is above 0.3. A
+// sum that is not rounded up proves less than the sum of the very numbers that it adds.
+TEST(CertificateTest, RoundingMakesNoProof) {
+  ProblemSpec spec;
+  spec.parts = {{.id = "1"}, {.id = "2"}, {.id = "3"}, {.id = "4"}};
+  spec.connections = {{.parts = {"1", "2"}}, {.parts = {"2", "3"}}, {.parts = {"3", "4"}}};
+  spec.objective = Objective("completion", CompletionObjective{.join = 0.1, .step = 0, .bonus = 0});
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+    spec.direction = direction;
+    const Problem problem(spec);
+    const Certified found = make_certificate(problem, 0.3, 1e-9);
+    ASSERT_TRUE(found.certificate) << found.reason;
+    // 0.1 is above a tenth, so three of them are above the number 0.3, which is below three tenths.
+    EXPECT_GT(found.certificate->bound, 0.3);
+    EXPECT_LT(found.certificate->bound, 0.3 + 1e-14);
+    Certificate certificate = *found.certificate;
+    certificate.bound = 0.3;
+    EXPECT_FALSE(check_certificate(problem, certificate).holds);
+    // So does a bound that is lower by the last bit of what is proved.
+    certificate.bound = std::nextafter(found.certificate->bound, 0.0);
+    EXPECT_FALSE(check_certificate(problem, certificate).holds);
+    // A table that is right up to rounding to nearest, and too low.
+    certificate = *found.certificate;
+    ASSERT_EQ(certificate.kind, Certificate::Kind::Sizes);
+    certificate.sizes[4] = 0.3;
+    EXPECT_FALSE(check_certificate(problem, certificate).holds);
+  }
+}
+
+/// The large products, by sizes alone, and a plan that is worse by one exchange of steps is not
+/// proved.
+TEST(CertificateTest, LargeScenariosAreProvedBySizes) {
+  for (const std::string name : {"iss", "iss-upc", "jwst", "jwst-upc", "hubble"}) {
+    for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+      SCOPED_TRACE(name);
+      const Problem problem = load_scenario(name).with_direction(direction);
+      Budget budget = Budget::with_time_limit(60);
+      Result result = solve(Task(problem), "auto", {}, budget);
+      if (result.status != Status::Optimal) continue;
+      const PlanCheck replay =
+          check_plan(problem, Situation::whole(problem.num_connections()), result.sequence);
+      const Certified found =
+          make_certificate(problem, replay.reward, 2 * replay.tolerance, 20'000);
+      ASSERT_TRUE(found.certificate) << found.reason;
+      EXPECT_TRUE(check_optimality(problem, result.sequence, *found.certificate).proved);
+      std::reverse(result.sequence.begin(), result.sequence.end());
+      EXPECT_FALSE(check_optimality(problem, result.sequence, *found.certificate).proved);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace orasp

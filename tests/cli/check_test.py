@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""Tests `orasp solve --certificate` and `orasp check`.
+
+    tests/cli/check_test.py PROGRAM [unittest's arguments]
+"""
+import json
+import unittest
+
+from program import Case, assembly, orasp, smoke
+
+CYCLE = assembly(["1-2", "2-3"], precedence=[{"connection": "1-2", "after": ["2-3"]},
+                                             {"connection": "2-3", "after": ["1-2"]}])
+
+
+class Check(Case):
+    def certified(self, *words, stdin=""):
+        """Solves, and returns the files of plan and certificate."""
+        plan, certificate = str(self.folder / "plan.json"), str(self.folder / "certificate.json")
+        self.check(orasp("solve", *words, "-o", plan, "--certificate", certificate, stdin=stdin), 0, error=r"\A\Z")
+        return plan, certificate
+
+    @smoke
+    def test_an_optimal_plan_is_proved_in_both_directions(self):
+        for objective, kind in [("cubesat", "sizes"), ("indexed", "states")]:
+            for direction in ["disassembly", "assembly"]:
+                with self.subTest(objective=objective, direction=direction):
+                    changes = ["--objective", objective, "--direction", direction]
+                    plan, certificate = self.certified("lattice", *changes)
+                    answer = orasp("check", "lattice", plan, certificate, *changes)
+                    self.check(answer, 0, out=rf"proved: no plan is better\nreward .*\nbound .*\nchecked .* of the kind {kind}\n",
+                               error=r"\A\Z")
+                    answer = orasp("check", "lattice", plan, certificate, *changes, "--json")
+                    self.check(answer, 0)
+                    verdict = json.loads(answer.out)
+                    self.assertEqual(set(verdict), {"proved", "claim", "kind", "reward", "bound", "tolerance", "inequalities"})
+                    self.assertEqual((verdict["proved"], verdict["claim"], verdict["kind"]), (True, "optimal", kind))
+                    self.assertAlmostEqual(verdict["reward"], verdict["bound"], places=9)
+
+    def test_that_there_is_no_plan_is_proved(self):
+        problem = self.file("p.json", CYCLE)
+        certificate = str(self.folder / "certificate.json")
+        self.check(orasp("solve", problem, "--certificate", certificate), 10)
+        self.assertEqual(json.loads(self.read(certificate))["kind"], "waits")
+        self.check(orasp("check", problem, "none", certificate), 0, out=r"proved: there is no plan\nchecked  2 inequalities")
+        answer = orasp("check", problem, "none", certificate, "--json")
+        verdict = json.loads(answer.out)
+        self.assertEqual((verdict["claim"], verdict["reward"], verdict["bound"]), ("infeasible", None, None))
+        plan, certificate = self.certified("4brick")
+        self.check(orasp("check", "4brick", "none", certificate), 10, out=r"not proved: .*does not say that there is none")
+
+    def read(self, file):
+        with open(file, encoding="utf-8") as stream:
+            return stream.read()
+
+    def test_a_worse_plan_an_illegal_one_and_a_false_bound_are_not_proved(self):
+        plan, certificate = self.certified("lattice")
+        order = json.loads(self.read(plan))["disassembly"]
+        worse = json.loads(orasp("solve", "lattice", "--method", "random", "--json").out)["disassembly"]
+        self.check(orasp("check", "lattice", "-", certificate, stdin=json.dumps(worse)), 10,
+                   out=r"not proved: the plan earns .*, and the certificate bounds plans by 0\.0735")
+        self.check(orasp("check", "lattice", "-", certificate, stdin=json.dumps(order[1:])), 10,
+                   out=r"not proved: the plan is not legal: ")
+        document = json.loads(self.read(certificate))
+        false = dict(document, bound=document["bound"] - 1e-12)
+        answer = orasp("check", "lattice", plan, "-", stdin=json.dumps(false))
+        self.check(answer, 10, out=r"not proved: the certificate does not hold: it proves that no plan earns more than")
+        false = dict(document, sizes=[value - 0.01 if n == 5 else value for n, value in enumerate(document["sizes"])])
+        answer = orasp("check", "lattice", plan, "-", "--json", stdin=json.dumps(false))
+        self.check(answer, 10)
+        self.assertRegex(json.loads(answer.out)["fault"], r"sizes\[5\]: .* is less than a cut into \d and \d parts is worth")
+
+    def test_a_lost_state_is_not_proved(self):
+        plan, certificate = self.certified("4brick", "--objective", "indexed")
+        document = json.loads(self.read(certificate))
+        document["layers"][1].pop()
+        self.check(orasp("check", "4brick", plan, "-", "--objective", "indexed", stdin=json.dumps(document)), 10,
+                   out=r"layers\[1\]: a step out of layer 0, at \".*\", leads to a state that is not listed")
+
+    @smoke
+    def test_wrong_files_are_refused_in_one_sentence(self):
+        plan, certificate = self.certified("4brick")
+        text = self.read(certificate)
+        document = json.loads(text)
+        for content, sentence in [
+            (text[:len(text) // 2], r"line \d+, column \d+"),
+            ("[1]", r"expected an object, found an array"),
+            (json.dumps(dict(document, format="orasp-plan/1")), r'format: "orasp-plan/1" is not the format of a certificate'),
+            (json.dumps(dict(document, problem_digest="0" * 64)), r"problem_digest: .*another problem"),
+            (json.dumps(dict(document, kind="magic")), r'kind: "magic" is none; kinds are "sizes"'),
+            (json.dumps(dict(document, kind="states")), r'the key "layers" is missing'),
+            (json.dumps(dict(document, bund=1)), r'unknown key "bund"'),
+            (json.dumps(dict(document, sizes=["1"])), r'sizes\[0\]: expected a number or null, found the string "1"'),
+            (json.dumps(dict(document, kind="states", layers=[[["g", 0]]])), r'layers\[0\]\[0\]\[0\]: "g" is no set of 3 connections'),
+            (json.dumps(dict(document, kind="waits", end="first removed", waiting=["1-9"])), r'waiting\[0\]: no connection "1-9"'),
+        ]:
+            with self.subTest(sentence=sentence):
+                answer = orasp("check", "4brick", plan, self.file("wrong.json", content))
+                self.check_sentence(answer)
+                self.assertRegex(answer.error, sentence)
+        self.check_sentence(orasp("check", "4brick", "-", "-"))
+        # The objective and the limits are part of the problem.
+        self.check_sentence(orasp("check", "4brick", plan, certificate, "--objective", "time", "--quiet"))
+
+    def test_what_has_no_certificate_is_said(self):
+        goal = assembly(["1-2", "2-3"], goal={"removed": ["1-2"]})
+        certificate = self.folder / "certificate.json"
+        answer = orasp("solve", "-", "--certificate", str(certificate), stdin=goal)
+        self.check_sentence(answer)
+        self.assertRegex(answer.error, r"--certificate: certificates are for plans .*; the problem has a goal")
+        # A plan that is not the best is printed, and has none.
+        answer = orasp("solve", "lattice", "--method", "random", "--certificate", str(certificate))
+        self.check(answer, 20, out=r"status   feasible", error=r"certificate.json is not written: ")
+        self.assertFalse(certificate.exists())
+        self.check_sentence(orasp("solve", "lattice", "--method", "mip", "--write-model", "m.lp", "--certificate", str(certificate)))
+
+
+if __name__ == "__main__":
+    unittest.main()
