@@ -126,8 +126,9 @@ TEST(CertificateTest, EveryAnswerToAWideProblemIsCertified) {
     const Certified any = make_certificate(problem, kInfinity, 0);
     ASSERT_TRUE(any.certificate) << any.reason;
     // What brute force adds up is rounded to nearest.
-    if (truth.best)
+    if (truth.best) {
       EXPECT_GE(any.certificate->bound, *truth.best - 1e-12 * std::max(1.0, std::abs(*truth.best)));
+    }
   }
   EXPECT_GE(proved, least_of(400));
   EXPECT_GE(infeasible, least_of(40));
@@ -260,8 +261,7 @@ TEST(CertificateTest, RoundingMakesNoProof) {
   }
 }
 
-/// The large products, by sizes alone, and a plan that is worse by one exchange of steps is not
-/// proved.
+/// The large products, by sizes alone; a plan that is not legal is not proved.
 TEST(CertificateTest, LargeScenariosAreProvedBySizes) {
   for (const std::string name : {"iss", "iss-upc", "jwst", "jwst-upc", "hubble"}) {
     for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
