@@ -87,8 +87,8 @@ TEST(CertificateTest, EveryAnswerToARandomProblemIsCertified) {
   }
 }
 
-/// The same with a base, grounded pieces, numbers of the user's own and precedence stated either way
-/// (tests/wide_problems.h), by a second brute force.
+/// The same with a base, grounded pieces, numbers of the user's own and precedence stated either
+/// way (tests/wide_problems.h), by a second brute force.
 TEST(CertificateTest, EveryAnswerToAWideProblemIsCertified) {
   int proved = 0;
   int infeasible = 0;
