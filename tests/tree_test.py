@@ -69,6 +69,8 @@ def citation_faults(name, text):
 OBJECTIVES = "src/orasp/model/objectives/"
 # A sum may be walked anywhere, and those of a fleet are worked out by whoever plans for it.
 ASKED_ANYWHERE = {"WeightedSum", "Makespan", "FleetTravel"}
+# The check of certificates shares no formula with anyone, so it has its own of those objectives that it knows; of others it proves nothing.
+KNOWS_OBJECTIVES = {"src/orasp/certificate/detail/size_rewards.cpp"}
 
 
 def objective_structs():
@@ -90,7 +92,7 @@ class Objectives(unittest.TestCase):
         structs = objective_structs()
         self.assertGreater(len(structs), 8)
         for name, text in texts():
-            if name.startswith(("src/", "cli/")) and name.endswith((".h", ".cpp")) and not name.startswith(OBJECTIVES):
+            if name.startswith(("src/", "cli/")) and name.endswith((".h", ".cpp")) and not name.startswith(OBJECTIVES) and name not in KNOWS_OBJECTIVES:
                 with self.subTest(file=name):
                     self.assertEqual(kind_questions(text, structs), [])
 

@@ -117,9 +117,7 @@ int run(const CheckOptions& options, const Context& context) {
 CommandWork check_command(CommandLine& line) {
   const auto chosen = std::make_shared<CheckOptions>();
   CheckOptions& options = *chosen;
-  line.about(
-      "Checks a certificate: that no plan of the problem earns more than this one, or that there "
-      "is no plan.");
+  line.about("Checks a certificate: that no plan earns more than this one, or that there is none.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
   line.positional(
       "PLAN", options.plan,

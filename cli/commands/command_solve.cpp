@@ -257,8 +257,8 @@ CommandWork solve_command(CommandLine& line) {
             options.write_model);
   line.group("Proof");
   line.text("--certificate", "FILE",
-            "Write why no plan is better, or why there is none, for `orasp check` (format "
-            "orasp-certificate/1; default: do not).",
+            "Write why no plan is better, or why there is none, in the format "
+            "orasp-certificate/1 (default: do not).",
             options.certificate);
   line.group("Other plans");
   line.flag("--count", options.count,
@@ -279,8 +279,8 @@ CommandWork solve_command(CommandLine& line) {
               "  orasp scenarios grid:4x4 | orasp solve - --json\n"
               "\n"
               "Exit codes: 0 solved, 10 proved infeasible, 20 a limit or Ctrl-C stopped it\n"
-              "(the best plan so far is printed) or no certificate could be written, 30 wrong "
-              "input, 40 internal error.");
+              "(the best plan so far is printed) or there is no certificate, 30 wrong input,\n"
+              "40 internal error.");
   return [chosen](const Context& context) { return run(*chosen, context); };
 }
 

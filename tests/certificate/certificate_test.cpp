@@ -23,6 +23,8 @@
 #include "tests/oracle.h"
 #include "tests/random_problems.h"
 #include "tests/seeds.h"
+#include "tests/wide_oracle.h"
+#include "tests/wide_problems.h"
 
 namespace orasp {
 namespace {
@@ -83,6 +85,56 @@ TEST(CertificateTest, EveryAnswerToARandomProblemIsCertified) {
     EXPECT_GE((met[{Certificate::Kind::Waits, direction}]), least_of(10));
     EXPECT_GE((met[{Certificate::Kind::Locked, direction}]), least_of(1));
   }
+}
+
+/// The same with a base, grounded pieces, numbers of the user's own and precedence stated either
+/// way (tests/wide_problems.h), by a second brute force.
+TEST(CertificateTest, EveryAnswerToAWideProblemIsCertified) {
+  int proved = 0;
+  int infeasible = 0;
+  int with_base = 0;
+  int grounded = 0;
+  int by_sizes = 0;
+  for (std::uint64_t seed = 0; seed < some_of(3 * kSeeds); ++seed) {
+    ProblemSpec spec = wide_random_problem(seed);
+    spec.goal.reset();
+    spec.action = StepKind::Connection;
+    SCOPED_TRACE(spec.name);
+    if (seed % 3 == 0)
+      spec.objective = random_objective(
+          std::vector<std::string>{"cubesat", "piece_cost", "completion", "fuel"}[seed / 3 % 4],
+          seed);
+    if (spec.objective.type == "callable") continue;
+    const Problem problem(spec);
+    if (!without_certificates(problem).empty()) continue;
+    const oracle::WideResult truth = oracle::wide_brute_force(spec);
+    const Answer found = answer(problem);
+    ASSERT_TRUE(found.certified.certificate) << found.certified.reason;
+    const Certificate& certificate = *found.certified.certificate;
+    if (!spec.base.empty()) ++with_base;
+    if (spec.limits.grounded) ++grounded;
+    if (certificate.kind == Certificate::Kind::Sizes && !spec.base.empty()) ++by_sizes;
+    if (truth.best) {
+      ++proved;
+      EXPECT_TRUE(check_optimality(problem, found.result.sequence, certificate).proved);
+      EXPECT_NEAR(certificate.bound, *truth.best, reward_tolerance(*truth.best));
+    } else {
+      ++infeasible;
+      EXPECT_EQ(certificate.bound, -kInfinity);
+    }
+    // The cheapest proof of anything, tight or not.
+    const Certified any = make_certificate(problem, kInfinity, 0);
+    ASSERT_TRUE(any.certificate) << any.reason;
+    // What brute force adds up is rounded to nearest.
+    if (truth.best) {
+      EXPECT_GE(any.certificate->bound, *truth.best - 1e-12 * std::max(1.0, std::abs(*truth.best)));
+    }
+  }
+  EXPECT_GE(proved, least_of(400));
+  EXPECT_GE(infeasible, least_of(40));
+  EXPECT_GE(with_base, least_of(100));
+  EXPECT_GE(grounded, least_of(20));
+  EXPECT_GE(by_sizes, least_of(20));
 }
 
 /// A bound by sizes is one whether it is reached or not, and so is a potential of states.
@@ -209,8 +261,7 @@ TEST(CertificateTest, RoundingMakesNoProof) {
   }
 }
 
-/// The large products, by sizes alone, and a plan that is worse by one exchange of steps is not
-/// proved.
+/// The large products, by sizes alone; a plan that is not legal is not proved.
 TEST(CertificateTest, LargeScenariosAreProvedBySizes) {
   for (const std::string name : {"iss", "iss-upc", "jwst", "jwst-upc", "hubble"}) {
     for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {

@@ -40,6 +40,9 @@ Certified by_states(const Problem& problem, std::size_t most_states,
                     const std::function<bool()>& stop) {
   detail::Removals removals(problem);
   const std::size_t connections = problem.num_connections();
+  // A file of more than 256 MiB is not read.
+  constexpr std::size_t kMostBytes = std::size_t{200} << 20U;
+  most_states = std::min(most_states, kMostBytes / (connections / 4 + 40));
   Certificate certificate;
   certificate.kind = Certificate::Kind::States;
   auto& layers = certificate.layers;

@@ -49,7 +49,8 @@ struct Certificate {
 /// Why there are no certificates for such a problem, in one sentence; empty where there are.
 [[nodiscard]] std::string without_certificates(const Problem& problem);
 
-/// The most states that a certificate lists.
+/// The most states that a certificate lists; fewer where there are so many connections that the
+/// file would be too large to be read.
 inline constexpr std::size_t kMostCertifiedStates = 1'000'000;
 
 /// A certificate, or why there is none.
