@@ -133,7 +133,7 @@ void PlaceBound::of_successors(SetView open, double here, std::span<const Action
                                std::span<double> bounds) {
   static_cast<void>(here);
   const std::size_t left = count(open);
-  if (!known() || left == 1) {
+  if (!known() || left <= 1) {
     std::ranges::fill(bounds, known() ? 0.0 : kInfinity);
     return;
   }
