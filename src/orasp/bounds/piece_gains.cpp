@@ -46,7 +46,8 @@ PieceGains::PieceGains(const TransitionSystem& system) {
 
 void PieceGains::measure_last_step(const TransitionSystem& system, Expander& expander) {
   last_surplus_ = surplus_of_last_pair_ = -kInfinity;
-  const bool bounded = !has_units() && (sizes_known_ || parts_known());
+  // Where sizes tell what a cut gains, the bound of two parts is what their cut gains.
+  const bool bounded = !has_units() && !system.gain_by_sizes() && (sizes_known_ || parts_known());
   for_each_connection(system.start().view(), [&](ConnectionIndex c) {
     const auto& ends = system.problem().ends(c);
     const double surplus = expander.completion_surplus(c);
