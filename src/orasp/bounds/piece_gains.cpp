@@ -85,10 +85,13 @@ void PieceGains::measure_arms(const Problem& problem) {
   most_arms = std::min(most_arms, kMostArms);
   for (std::size_t arms = 2; arms <= most_arms; ++arms) {
     std::vector<double> best(parts + 1, -kInfinity);
+    const std::vector<double>& with_fewer = arms == 2 ? by_size_ : by_arms_.back();
     for (std::size_t n = arms + 1; n <= parts; ++n) {
+      const std::span<const double> row = std::span(gains_).subspan((n - 1) * (n - 1) / 4, n / 2);
       for (std::size_t a = 1; a + arms <= n; ++a) {
-        best[n] = std::max(best[n], gain(std::min(a, n - a), std::max(a, n - a)) + by_size_[a] +
-                                        by_arms(n - a, arms - 1));
+        const std::size_t moved = std::min(a, n - a);
+        if (moved > most_moved_) continue;
+        best[n] = std::max(best[n], row[moved - 1] + by_size_[a] + with_fewer[n - a]);
       }
     }
     by_arms_.push_back(std::move(best));
