@@ -85,12 +85,8 @@ UncertainGraph UncertainGraph::build(const TransitionSystem& system, const Budge
         attempt.done = number_of(next.data(), open - 1);
         const Connection& tried = problem.connections()[connection];
         if (tried.success < 1 && tried.on_failure.abort) attempt.failed = kJobEnded;
-        if (tried.success < 1 && !problem.breaks(connection).empty()) {
-          next = here;
-          for (const ConnectionIndex broken : problem.breaks(connection)) clear(broken);
-          const std::size_t left = count(next);
-          if (left < open) attempt.failed = number_of(next.data(), left);
-        }
+        if (detail::breaks_to(problem, connection, here, next))
+          attempt.failed = number_of(next.data(), count(next));
         graph.attempts_.push_back(attempt);
       }
       graph.row_end_[s] = graph.attempts_.size();

@@ -416,14 +416,10 @@ Result searched(const TransitionSystem& system, const BeamOptions& options, cons
 
 Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
   if (system.wide()) return detail::wide_beam(system, options.incumbent, budget);
-  return detail::from_the_end(system, [&](const TransitionSystem& from) {
-    if (&from == &system || options.incumbent == nullptr) return searched(from, options, budget);
-    Result incumbent = *options.incumbent;
-    std::ranges::reverse(incumbent.sequence);
-    BeamOptions turned = options;
-    turned.incumbent = &incumbent;
-    return searched(from, turned, budget);
-  });
+  return detail::from_the_end(system, options,
+                              [&](const TransitionSystem& from, const BeamOptions& turned) {
+                                return searched(from, turned, budget);
+                              });
 }
 
 }  // namespace orasp

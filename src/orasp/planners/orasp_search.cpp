@@ -235,14 +235,10 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
 Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                     const Budget& budget) {
   if (system.wide()) return detail::wide_depth_first(system, options.seed, budget);
-  return detail::from_the_end(system, [&](const TransitionSystem& from) {
-    if (&from == &system || options.incumbent == nullptr) return searched(from, options, budget);
-    Result incumbent = *options.incumbent;
-    std::ranges::reverse(incumbent.sequence);
-    OraspSearchOptions turned = options;
-    turned.incumbent = &incumbent;
-    return searched(from, turned, budget);
-  });
+  return detail::from_the_end(system, options,
+                              [&](const TransitionSystem& from, const OraspSearchOptions& turned) {
+                                return searched(from, turned, budget);
+                              });
 }
 
 }  // namespace orasp

@@ -50,6 +50,19 @@ template <class Plan>
   result.statistics.seconds = watch.seconds();
   return result;
 }
+/// The same for plan(system, options) whose options hold an incumbent: that is turned as well.
+template <class Options, class Plan>
+[[nodiscard]] Result from_the_end(const TransitionSystem& system, const Options& options,
+                                  Plan&& plan) {
+  return from_the_end(system, [&](const TransitionSystem& from) {
+    if (&from == &system || options.incumbent == nullptr) return plan(from, options);
+    Result incumbent = *options.incumbent;
+    std::ranges::reverse(incumbent.sequence);
+    Options turned = options;
+    turned.incumbent = &incumbent;
+    return plan(from, turned);
+  });
+}
 
 /// The first legal order that is found, whatever it earns (planners/feasibility.h): for problems in
 /// which others run into dead ends. Infeasible where it is proved that there is none.

@@ -12,6 +12,7 @@
 #include "orasp/bounds/piece_gains.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
+#include "orasp/graph/detail/attempt_outcomes.h"
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/model/objectives/retried.h"
 #include "orasp/model/tolerance.h"
@@ -92,6 +93,7 @@ class UncertainSearch {
                   CertainBound bound, const Budget& budget)
       : system_(system),
         problem_(system.problem()),
+        outcomes_(problem_),
         certain_(std::move(bound)),
         budget_(budget),
         allowed_(allowed_bytes(budget)),
@@ -151,18 +153,10 @@ class UncertainSearch {
   }
 
  private:
-  using State = std::uint32_t;
-  static constexpr State kJobEnded = 0xFFFF'FFFF;
-  struct Attempt {
-    double reward;
-    ConnectionIndex connection;
-    State done;
-    State failed;  ///< the same state where nothing changes, or kJobEnded
-  };
+  using State = UncertainGraph::State;
+  using Attempt = UncertainGraph::Attempt;
+  static constexpr State kJobEnded = UncertainGraph::kJobEnded;
 
-  [[nodiscard]] double success(ConnectionIndex connection) const {
-    return problem_.connections()[connection].success;
-  }
   [[nodiscard]] bool proved() const {
     return best_.has_plan() && detail::meets(best_.reward, upper_[start_]);
   }
@@ -218,21 +212,15 @@ class UncertainSearch {
     const std::vector<Action> actions(legal.begin(), legal.end());
     row_begin_[s] = attempts_.size();
     std::vector<std::uint64_t> next;
-    const auto clear = [&next](ConnectionIndex c) {
-      next[c / 64] &= ~(std::uint64_t{1} << (c % 64));
-    };
     for (const Action& action : actions) {
       const Connection& tried = problem_.connections()[action.connection];
       Attempt attempt{action.reward, action.connection, 0, s};
       next = here;
-      clear(action.connection);
+      next[action.connection / 64] &= ~(std::uint64_t{1} << (action.connection % 64));
       attempt.done = number_of(next);
       if (tried.success < 1 && tried.on_failure.abort) attempt.failed = kJobEnded;
-      if (tried.success < 1 && !problem_.breaks(action.connection).empty()) {
-        next = here;
-        for (const ConnectionIndex broken : problem_.breaks(action.connection)) clear(broken);
-        if (next != here) attempt.failed = number_of(next);
-      }
+      if (detail::breaks_to(problem_, action.connection, here, next))
+        attempt.failed = number_of(next);
       attempts_.push_back(attempt);
     }
     row_end_[s] = attempts_.size();
@@ -250,15 +238,8 @@ class UncertainSearch {
 
   /// What an attempt in state s is worth if states are worth what U says.
   [[nodiscard]] double worth(const Attempt& attempt, State s) const {
-    const double p = success(attempt.connection);
-    if (attempt.failed == s) return attempt.reward / p + upper_[attempt.done];
-    if (attempt.failed == kJobEnded) {
-      const double ended = *problem_.connections()[attempt.connection].on_failure.abort;
-      return p * (attempt.reward + upper_[attempt.done]) + (1 - p) * ended;
-    }
-    if (upper_[attempt.done] == -kInfinity || upper_[attempt.failed] == -kInfinity)
-      return -kInfinity;
-    return attempt.reward + p * upper_[attempt.done] + (1 - p) * upper_[attempt.failed];
+    return detail::AttemptOutcomes::safe(attempt, s, upper_) ? outcomes_.solved(attempt, s, upper_)
+                                                             : -kInfinity;
   }
 
   /// The place of the attempt of an expanded state that promises most; of several, one whose
@@ -315,7 +296,7 @@ class UncertainSearch {
       const std::uint64_t best = best_attempt(s);
       if (best == row_end_[s]) break;
       const Attempt& attempt = attempts_[best];
-      const double p = success(attempt.connection);
+      const double p = outcomes_.success(attempt);
       const bool done_open = settled_[attempt.done] == 0;
       const bool failed_open =
           attempt.failed != s && attempt.failed != kJobEnded && settled_[attempt.failed] == 0;
@@ -381,6 +362,7 @@ class UncertainSearch {
 
   const TransitionSystem& system_;
   const Problem& problem_;
+  detail::AttemptOutcomes outcomes_;
   CertainBound certain_;
   const Budget& budget_;
   std::uint64_t allowed_;
