@@ -69,13 +69,6 @@ Certificate read_certificate(const Problem& problem, const std::string& file) {
   }
 }
 
-std::vector<ConnectionIndex> sequence_of(const Problem& problem, const PlanFile& plan) {
-  std::vector<ConnectionIndex> sequence;
-  for (const PlanStep& step : plan_steps(problem, plan))
-    sequence.insert(sequence.end(), step.connections.begin(), step.connections.end());
-  return sequence;
-}
-
 }  // namespace
 
 int run(const CheckOptions& options, const Context& context) {
@@ -93,21 +86,12 @@ int run(const CheckOptions& options, const Context& context) {
   verdict.kind = kind_name(certificate.kind);
   verdict.infeasible = infeasible;
   if (infeasible) {
-    const CertificateCheck check = check_certificate(problem, certificate);
-    verdict.check.bound = certificate.bound;
-    verdict.check.inequalities = check.inequalities;
-    verdict.check.proved = check.holds && certificate.bound == -kInfinity;
-    if (!check.holds) {
-      verdict.check.fault = "the certificate does not hold: " + check.fault;
-    } else if (!verdict.check.proved) {
-      verdict.check.fault = "the certificate bounds plans by " + number_text(certificate.bound) +
-                            ", and does not say that there is none";
-    }
+    verdict.check = check_infeasibility(problem, certificate);
   } else {
     require_plan_for(problem, text, options.plan);
     const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
     warn_of_another_problem(context, plan.problem_digest, problem);
-    verdict.check = check_optimality(problem, sequence_of(problem, plan), certificate);
+    verdict.check = check_optimality(problem, plan, certificate);
   }
   print_result(context, options.output, options.json, as_json(verdict),
                [&] { return summary(problem, verdict, options); });

@@ -24,7 +24,6 @@
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/mip/mip.h"
-#include "orasp/model/plan_check.h"
 
 namespace orasp::cli {
 namespace {
@@ -158,14 +157,11 @@ void require_sense_of_other_plans(const Problem& problem, const SolveOptions& op
 }
 
 /// Why no plan is better, or why there is none.
-Certified certify(const Problem& problem, const Result& result, const Budget& budget) {
+Certified why_proved(const Problem& problem, const Result& result, const Budget& budget) {
   const auto stop = [&budget] { return budget.expired() != Stop::None; };
-  if (result.status == Status::Infeasible)
-    return make_certificate(problem, std::nullopt, 0, kMostCertifiedStates, stop);
+  if (result.status == Status::Infeasible) return certify(problem, std::nullopt, stop);
   if (!result.has_plan()) return {{}, "there is neither a plan nor a proof that there is none"};
-  const PlanCheck check =
-      check_plan(problem, Situation::whole(problem.num_connections()), result.sequence);
-  return make_certificate(problem, check.reward, 2 * check.tolerance, kMostCertifiedStates, stop);
+  return certify(problem, result.sequence, stop);
 }
 
 }  // namespace
@@ -204,7 +200,7 @@ int run(const SolveOptions& options, const Context& context) {
     result = solve(task, planner.name, chosen, budget);
     if (system)
       alternatives = find_alternatives(*system, options.count, options.alternatives, budget);
-    if (!options.certificate.empty()) certified = certify(problem, result, budget);
+    if (!options.certificate.empty()) certified = why_proved(problem, result, budget);
   }
   if (alternatives.stop != Stop::None) {
     result.notes.push_back(fmt::format(

@@ -13,6 +13,7 @@ The parts of the package:
 * the work as it goes on: :func:`replan`, :class:`Replanner`
 * questions: :func:`evaluate`, :func:`explain`, :func:`explain_connection`, :func:`sample`,
   :func:`simulate`, :func:`compare`
+* proofs: :meth:`Result.certificate`, :func:`check`
 * H as arrays: :func:`graph`, :class:`Graph`, :func:`estimate_graph`
 * rewards of your own: :class:`Reward`
 * learning: :func:`train`, :class:`Policy`, :class:`Environment`, :class:`VectorEnvironment`
@@ -21,6 +22,7 @@ The parts of the package:
 What is wrong with an input is an :class:`InputError`, a ValueError with one sentence.
 """
 
+from orasp._certificates import Certificate, Check, check
 from orasp._formats import Format, format_text, formats, read_format, write_format
 from orasp._graph import Graph, GraphEstimate, GraphSize, estimate_graph, graph
 from orasp._learning import Policy, Training, learning_available, train, training_options
@@ -70,7 +72,9 @@ from orasp.environment import Environment, VectorEnvironment
 
 __all__ = [
     "Alternative",
+    "Certificate",
     "Changes",
+    "Check",
     "Comparison",
     "Conflict",
     "ConnectionExplanation",
@@ -113,6 +117,7 @@ __all__ = [
     "Training",
     "VectorEnvironment",
     "Violation",
+    "check",
     "compare",
     "distribution_svg",
     "estimate_graph",

@@ -18,6 +18,7 @@ from orasp._problem import Problem, ProblemLike, load, warn
 from orasp._reward import ObjectiveLike
 
 if TYPE_CHECKING:
+    from orasp._certificates import Certificate
     from orasp._learning import Policy
 
 _LARGEST_FILE = 256 << 20
@@ -376,6 +377,28 @@ class Result:
         """The same as a dict of your own."""
         return dict(json.loads(self.to_json()))
 
+    def certificate(
+        self,
+        *,
+        time_limit: Optional[float] = None,
+        progress: Optional[ProgressCallback] = None,
+        stop: Optional[Stopper] = None,
+    ) -> Certificate:
+        """Why no plan is better, or why there is none, for whoever does not want to trust this library:
+        what ``orasp solve --certificate`` writes. :func:`check` verifies it. Costs O(parts^2), or, where
+        sizes do not prove it, as much as all states. Raises InputError with the reason where there is none.
+
+        >>> import orasp
+        >>> orasp.solve("hubble").certificate()
+        <orasp.Certificate sizes: no plan earns more than -0.9902>
+        """
+        from orasp._certificates import Certificate
+
+        text, reason = _orasp.certificate(self._outcome, run_of(time_limit, None, None, progress, stop))
+        if not text:
+            raise _orasp.InputError(reason)
+        return Certificate(text)
+
     def save(self, file: Union[str, os.PathLike[str]]) -> None:
         """Writes the plan, as ``orasp solve -o`` does. Raises InputError without a plan."""
         if not self.has_plan:
@@ -630,20 +653,24 @@ def write_model(
 PlanLike = Union[Result, str, os.PathLike[str], Mapping[str, Any], Sequence[str], Sequence[Sequence[str]]]
 
 
+def file_text(name: str) -> str:
+    """What a file says, of at most 256 MiB."""
+    try:
+        if os.path.getsize(name) > _LARGEST_FILE:
+            raise _orasp.InputError(f'"{name}" holds more than 256 MiB')
+        return Path(name).read_text(encoding="utf-8")
+    except OSError as error:
+        raise _orasp.InputError(f'cannot read "{name}": {error.strerror}') from None
+    except UnicodeDecodeError:
+        raise _orasp.InputError(f'cannot read "{name}": it is not UTF-8') from None
+
+
 def plan_text(plan: PlanLike) -> str:
     """A plan as the library reads it. A str is the name of a file."""
     if isinstance(plan, Result):
         return plan.to_json()
     if isinstance(plan, (str, os.PathLike)):
-        name = os.fspath(plan)
-        try:
-            if os.path.getsize(name) > _LARGEST_FILE:
-                raise _orasp.InputError(f'"{name}" holds more than 256 MiB')
-            return Path(name).read_text(encoding="utf-8")
-        except OSError as error:
-            raise _orasp.InputError(f'cannot read "{name}": {error.strerror}') from None
-        except UnicodeDecodeError:
-            raise _orasp.InputError(f'cannot read "{name}": it is not UTF-8') from None
+        return file_text(os.fspath(plan))
     if isinstance(plan, Mapping):
         return json_text(plan)
     return json_text([step if isinstance(step, str) else list(step) for step in plan])

@@ -14,6 +14,7 @@
 /// library checks.
 namespace orasp::python {
 
+void bind_certificates(pybind11::module_& module);
 void bind_formats(pybind11::module_& module);
 void bind_graph(pybind11::module_& module);
 void bind_learning(pybind11::module_& module);

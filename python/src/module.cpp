@@ -20,6 +20,7 @@ PYBIND11_MODULE(_orasp, module) {
   python::bind_solve(module);
   python::bind_graph(module);
   python::bind_questions(module);
+  python::bind_certificates(module);
   python::bind_replanning(module);
   python::bind_learning(module);
   python::bind_environment(module);

@@ -190,6 +190,45 @@ class Agreement(unittest.TestCase):
             self.assertEqual(orasp.explain_connection("hubble", connection).to_dict(),
                              program_answer("explain", "hubble", "--connection", connection, "--json"))
 
+    def test_certificates(self):
+        """Certificates and the verdicts on them are those of the command line; a verdict depends on the plan."""
+        kinds = set()
+        with tempfile.TemporaryDirectory() as folder:
+            plan_file, certificate_file = Path(folder) / "plan.json", Path(folder) / "certificate.json"
+            for seed in range(60):
+                problem = orasp.Problem.from_dict(random_problem(seed))
+                text = json.dumps(random_problem(seed))
+                with self.subTest(seed=seed):
+                    certificate_file.unlink(missing_ok=True)
+                    plan_file.unlink(missing_ok=True)
+                    run("solve", "-", "-o", str(plan_file), "--certificate", str(certificate_file), stdin=text)
+                    result = orasp.solve(problem)
+                    made = result.certificate()
+                    self.assertEqual(made.text, certificate_file.read_text(encoding="utf-8"))
+                    kinds.add(made.kind)
+                    plan = result if result.has_plan else None
+                    verdict = orasp.check(problem, plan, made)
+                    self.assertTrue(verdict.proved, verdict)
+                    self.assertEqual(verdict.to_dict(), program_answer("check", "-", str(plan_file) if plan else "none",
+                                                                       str(certificate_file), "--json", stdin=text))
+                    self.assertEqual(orasp.check(problem, plan, certificate_file), verdict)
+                    self.assertEqual(orasp.check(problem, plan, made.to_dict()), verdict)
+                    self.assertEqual(verdict.bound, made.bound)
+                    if plan is not None:
+                        self.assertFalse(orasp.check(problem, None, made).proved)
+        self.assertEqual(kinds, {"sizes", "states", "waits"})
+        with self.assertRaises(orasp.InputError) as raised:
+            orasp.solve("fleet-lattice").certificate()
+        self.assertEqual(f"--certificate: {raised.exception}", program_answer("solve", "fleet-lattice", "--certificate", "none.json"))
+        # A worse plan, and a certificate of another problem.
+        best = orasp.solve("hubble")
+        worse = orasp.solve("hubble", "random", seed=3)
+        verdict = orasp.check("hubble", worse, best.certificate())
+        self.assertFalse(verdict.proved)
+        self.assertIn("bounds plans by", verdict.fault)
+        with self.assertRaisesRegex(orasp.InputError, "digest|another problem"):
+            orasp.check("lattice", orasp.solve("lattice"), best.certificate())
+
     def test_explain_with_the_widths_of_an_import(self):
         product = {"format": "orasp-problem/1", "parts": [{"id": "box"}, {"id": "lid"}],
                    "connections": [{"parts": ["box", "lid"]}],

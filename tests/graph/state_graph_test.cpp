@@ -292,6 +292,10 @@ TEST(GraphObstacle, GivesTheEstimate) {
   ASSERT_TRUE(reason);
   for (const char* word : {"states", "actions", "of memory", "are allowed"})
     EXPECT_NE(reason->find(word), std::string::npos) << *reason;
+  const Problem largest(chain(16000));
+  EXPECT_NE(graph_obstacle(TransitionSystem(largest), Budget{})
+                ->find("more than 1e308 states and more than 1e308 actions, more than 1e308 GiB"),
+            std::string::npos);
   const Problem small = load_scenario("hubble");
   EXPECT_FALSE(graph_obstacle(TransitionSystem(small), Budget{}));
   Budget tiny;

@@ -100,6 +100,8 @@ const ObjectiveKind& moved_squared_kind() {
 }  // namespace orasp
 """
 
+NOT_SOURCES = {".git", "build", "node_modules", "__pycache__"}
+
 TABLE = "src/orasp/model/objectives/objective_table.h"
 # File -> what is put in front of which line (or of which text in a line).
 CHANGES = [
@@ -133,8 +135,12 @@ def write(file, text):
 
 def followed():
     """The files of the tree after the recipe, and the names of those that it touched."""
-    names = run("git", "-C", ROOT, "ls-files", "--cached", "--others", "--exclude-standard").split("\n")
-    files = {name: (ROOT / name).read_bytes() for name in names if name and (ROOT / name).is_file()}
+    files = {}
+    for folder, inner, names in os.walk(ROOT):
+        inner[:] = [name for name in inner if name not in NOT_SOURCES]
+        for file in (Path(folder) / name for name in names):
+            if file.is_file():
+                files[file.relative_to(ROOT).as_posix()] = file.read_bytes()
     before = dict(files)
     for name, place, addition in CHANGES:
         text = files[name].decode()

@@ -7,6 +7,7 @@
 #include "orasp/certificate/detail/outward.h"
 #include "orasp/certificate/detail/removals.h"
 #include "orasp/certificate/detail/size_rewards.h"
+#include "orasp/model/plan_check.h"
 
 namespace orasp {
 
@@ -181,6 +182,13 @@ Certified make_certificate(const Problem& problem, std::optional<double> reward,
   return {{},
           reward ? "all states together prove a bound above what the plan earns"
                  : "all states together do not prove that there is no plan"};
+}
+
+Certified certify(const Problem& problem, std::optional<std::span<const ConnectionIndex>> plan,
+                  const std::function<bool()>& stop) {
+  if (!plan) return make_certificate(problem, std::nullopt, 0, kMostCertifiedStates, stop);
+  const PlanCheck replay = check_plan(problem, Situation::whole(problem.num_connections()), *plan);
+  return make_certificate(problem, replay.reward, 2 * replay.tolerance, kMostCertifiedStates, stop);
 }
 
 }  // namespace orasp

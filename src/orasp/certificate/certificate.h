@@ -71,6 +71,13 @@ struct Certified {
     std::size_t most_states = kMostCertifiedStates,
     const std::function<bool()>& stop = [] { return false; });
 
+/// The same for a plan, with the steps of the problem's direction: what it earns, and how far sums
+/// of its rewards may be off, is what check_optimality() will compare with. Nothing: that there is
+/// no plan. @throws InputError as check_plan().
+[[nodiscard]] Certified certify(
+    const Problem& problem, std::optional<std::span<const ConnectionIndex>> plan,
+    const std::function<bool()>& stop = [] { return false; });
+
 /// What the check of a certificate found.
 struct CertificateCheck {
   bool holds = false;
@@ -95,9 +102,10 @@ struct CertificateCheck {
 [[nodiscard]] CertificateCheck check_certificate(const Problem& problem,
                                                  const Certificate& certificate);
 
-/// The verdict on a plan and a certificate together.
+/// The verdict on a plan and a certificate together, or on the claim that there is no plan.
 struct OptimalityCheck {
-  bool proved = false;  ///< the plan is legal, and none earns more than it by more than `tolerance`
+  /// The plan is legal, and none earns more than it by more than `tolerance`; or there is none.
+  bool proved = false;
   std::string fault{};  ///< one sentence, where it is not
   double reward = 0;
   double bound = kInfinity;
@@ -110,5 +118,9 @@ struct OptimalityCheck {
 [[nodiscard]] OptimalityCheck check_optimality(const Problem& problem,
                                                std::span<const ConnectionIndex> plan,
                                                const Certificate& certificate);
+
+/// Checks a certificate that there is no plan; `reward` and `tolerance` stay 0.
+[[nodiscard]] OptimalityCheck check_infeasibility(const Problem& problem,
+                                                  const Certificate& certificate);
 
 }  // namespace orasp

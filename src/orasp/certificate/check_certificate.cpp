@@ -353,4 +353,20 @@ OptimalityCheck check_optimality(const Problem& problem, std::span<const Connect
   return verdict;
 }
 
+OptimalityCheck check_infeasibility(const Problem& problem, const Certificate& certificate) {
+  OptimalityCheck verdict;
+  const CertificateCheck check = check_certificate(problem, certificate);
+  verdict.bound = certificate.bound;
+  verdict.inequalities = check.inequalities;
+  if (!check.holds) {
+    verdict.fault = "the certificate does not hold: " + check.fault;
+  } else if (certificate.bound != -kInfinity) {
+    verdict.fault = "the certificate bounds plans by " + detail::number_text(certificate.bound) +
+                    ", and does not say that there is none";
+  } else {
+    verdict.proved = true;
+  }
+  return verdict;
+}
+
 }  // namespace orasp

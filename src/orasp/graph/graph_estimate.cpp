@@ -165,8 +165,10 @@ GraphEstimate looked_at(const TransitionSystem& system, const Budget& limits) {
   return {states, actions, graph_bytes(system, states, actions, actions), false};
 }
 
-/// A count such as 1,234,567 up to a million million, and beyond that a power of ten.
+/// A count such as 1,234,567 up to a million million, and beyond that a power of ten; one that no
+/// `double` holds is more than the largest.
 std::string size_text(double count) {
+  if (!std::isfinite(count)) return "more than 1e308";
   if (count < 1e12) {
     std::string digits = std::to_string(static_cast<std::uint64_t>(count));
     for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(digits.size()) - 3; i > 0; i -= 3) {

@@ -246,4 +246,12 @@ Certificate parse_certificate(const Problem& problem, std::string_view text) {
   return CertificateReader(problem, document.root()).read();
 }
 
+OptimalityCheck check_optimality(const Problem& problem, const PlanFile& plan,
+                                 const Certificate& certificate) {
+  std::vector<ConnectionIndex> sequence;
+  for (const PlanStep& step : plan_steps(problem, plan))
+    sequence.insert(sequence.end(), step.connections.begin(), step.connections.end());
+  return check_optimality(problem, sequence, certificate);
+}
+
 }  // namespace orasp

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "orasp/certificate/certificate.h"
+#include "orasp/io/plan_json.h"
 #include "orasp/model/problem.h"
 
 namespace orasp {
@@ -16,5 +17,9 @@ namespace orasp {
 /// to say. @throws InputError for a file that is none, that has unknown or missing keys, that was
 ///         made for another problem (by its digest), or that names what the problem does not have.
 [[nodiscard]] Certificate parse_certificate(const Problem& problem, std::string_view text);
+
+/// check_optimality() of what a plan file says. @throws InputError as plan_steps().
+[[nodiscard]] OptimalityCheck check_optimality(const Problem& problem, const PlanFile& plan,
+                                               const Certificate& certificate);
 
 }  // namespace orasp
