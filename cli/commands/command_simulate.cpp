@@ -17,11 +17,14 @@
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
+#include "orasp/catalogue.h"
 #include "orasp/execution/simulation.h"
 #include "orasp/graph/uncertain_graph.h"
+#include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
 #include "orasp/planners/reward_statistics.h"
+#include "orasp/task/task.h"
 
 namespace orasp::cli {
 namespace {
@@ -55,20 +58,17 @@ double standard_error(const RewardFigures& figures, std::size_t runs) {
   return runs == 0 ? 0 : figures.deviation / std::sqrt(static_cast<double>(runs));
 }
 
-/// A plan that is legal where nothing fails. @throws InputError.
-std::vector<ConnectionIndex> legal_plan(const Problem& problem, const std::string& file,
-                                        const Context& context) {
+/// The replay of a plan that is legal where nothing fails. @throws InputError.
+Evaluation legal_plan(const Problem& problem, const std::string& file, const Context& context) {
   const PlanFile plan = read_plan(file, problem.direction());
   warn_of_another_problem(context, plan.problem_digest, problem);
-  const Evaluation evaluation = evaluate(problem, plan.sequence, plan.directions);
+  Evaluation evaluation = replayed(problem, plan);
   if (!evaluation.valid) {
     const StepViolation& first = evaluation.violations.front();
     throw InputError(fmt::format("the plan cannot be followed: step {}, {}: {}", first.step,
                                  in_quotes(first.connection), first.violation.message));
   }
-  std::vector<ConnectionIndex> sequence;
-  for (const Step& step : evaluation.steps) sequence.push_back(step.connection);
-  return sequence;
+  return evaluation;
 }
 
 std::vector<PolicyState> policy_of(const TransitionSystem& system, const std::string& file) {
@@ -78,6 +78,41 @@ std::vector<PolicyState> policy_of(const TransitionSystem& system, const std::st
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", file == "-" ? "standard input" : file, error.what()));
   }
+}
+
+/// Where every attempt succeeds, a plan goes as it stands.
+Outcome certain_outcome(const Problem& problem, const SimulateOptions& options,
+                        const Context& context) {
+  if (!options.policy.empty())
+    throw InputError(
+        "--policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
+  Outcome outcome;
+  outcome.status = Status::Feasible;
+  if (!options.plan.empty()) {
+    const Evaluation evaluation = legal_plan(problem, options.plan, context);
+    outcome.expected = evaluation.reward;
+    outcome.expected_attempts = static_cast<double>(evaluation.steps.size());
+  } else {
+    ProgressLine progress(context, title(problem, options.problem) + ", simulate");
+    Budget budget = make_budget(options.limits);
+    progress.attach_to(budget);
+    const Result result = solve(Task(problem), "auto", Options(), budget);
+    outcome.status = result.status;
+    outcome.simulation.stop = result.stop;
+    // A plan that is not proved best is no optimal policy.
+    if (result.status != Status::Optimal) {
+      outcome.notes = result.notes;
+      return outcome;
+    }
+    outcome.status = Status::Feasible;
+    outcome.expected = result.reward;
+    outcome.expected_attempts =
+        static_cast<double>(result.steps.empty() ? result.sequence.size() : result.steps.size());
+  }
+  outcome.simulation =
+      certain_runs(outcome.expected, static_cast<std::uint64_t>(outcome.expected_attempts),
+                   {.runs = options.count, .seed = options.seed});
+  return outcome;
 }
 
 Outcome outcome_of(const Problem& problem, const SimulateOptions& options, const Context& context) {
@@ -90,7 +125,8 @@ Outcome outcome_of(const Problem& problem, const SimulateOptions& options, const
   }
   UncertainGraph::Guide guide;
   if (!options.plan.empty()) {
-    outcome.plan = legal_plan(problem, options.plan, context);
+    for (const Step& step : legal_plan(problem, options.plan, context).steps)
+      outcome.plan.push_back(step.connection);
     guide = guide_by_plan(outcome.plan);
   } else if (!options.policy.empty()) {
     guide = guide_by_policy(system, policy_of(system, options.policy));
@@ -198,12 +234,10 @@ int run(const SimulateOptions& options, const Context& context) {
     throw InputError("PROBLEM and what to follow cannot both be read from standard input");
   const Problem problem =
       load_one_robot_problem(options.problem, options.changes, context, "simulate");
-  if (TransitionSystem(problem).wide())
-    throw InputError(
-        "simulate plays attempts at single connections until none is left, which earn what they "
-        "earn "
-        "whatever came before; here a goal, part steps or costs between steps say otherwise");
-  const Outcome outcome = outcome_of(problem, options, context);
+  if (const auto reason = simulation_obstacle(TransitionSystem(problem))) throw InputError(*reason);
+  const bool certain = TransitionSystem(problem).wide();
+  const Outcome outcome =
+      certain ? certain_outcome(problem, options, context) : outcome_of(problem, options, context);
   const RewardFigures figures = figures_of(outcome.simulation.rewards);
   const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);
   if (options.json) {

@@ -13,6 +13,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.h"
+#include "orasp/catalogue.h"
 #include "orasp/execution/simulation.h"
 #include "orasp/explain/explain_connection.h"
 #include "orasp/explain/explain_problem.h"
@@ -26,6 +27,7 @@
 #include "orasp/model/validate.h"
 #include "orasp/planners/random_rewards.h"
 #include "orasp/planners/reward_statistics.h"
+#include "orasp/task/task.h"
 #include "outcome.h"
 #include "watch.h"
 
@@ -220,18 +222,41 @@ struct Followed {
   std::vector<std::string> notes;
 };
 
-/// A plan that is legal where nothing fails. @throws InputError.
-std::vector<ConnectionIndex> legal_plan(const Problem& problem, const std::string& text) {
+/// The replay of a plan that is legal where nothing fails. @throws InputError.
+Evaluation legal_plan(const Problem& problem, const std::string& text) {
   const PlanFile plan = parse_plan(text, problem.direction());
-  const Evaluation evaluation = evaluate(problem, plan.sequence, plan.directions);
+  Evaluation evaluation = replayed(problem, plan);
   if (!evaluation.valid) {
     const StepViolation& first = evaluation.violations.front();
     throw InputError(fmt::format("the plan cannot be followed: step {}, \"{}\": {}", first.step,
                                  first.connection, first.violation.message));
   }
-  std::vector<ConnectionIndex> sequence;
-  for (const Step& step : evaluation.steps) sequence.push_back(step.connection);
-  return sequence;
+  return evaluation;
+}
+
+/// Where every attempt succeeds, a plan goes as it stands.
+Followed certainly_followed(const Problem& problem, const std::optional<std::string>& plan,
+                            const SimulationOptions& options, const Budget& budget) {
+  Followed found;
+  if (plan) {
+    const Evaluation evaluation = legal_plan(problem, *plan);
+    found.expected = evaluation.reward;
+    found.expected_attempts = static_cast<double>(evaluation.steps.size());
+  } else {
+    const Result result = solve(Task(problem), "auto", Options(), budget);
+    found.infeasible = result.status == Status::Infeasible;
+    found.simulation.stop = result.stop;
+    if (result.status != Status::Optimal) {
+      found.notes = result.notes;
+      return found;
+    }
+    found.expected = result.reward;
+    found.expected_attempts =
+        static_cast<double>(result.steps.empty() ? result.sequence.size() : result.steps.size());
+  }
+  found.simulation =
+      certain_runs(found.expected, static_cast<std::uint64_t>(found.expected_attempts), options);
+  return found;
 }
 
 Followed followed(const Problem& problem, const std::optional<std::string>& plan,
@@ -246,7 +271,7 @@ Followed followed(const Problem& problem, const std::optional<std::string>& plan
   }
   UncertainGraph::Guide guide;
   if (plan) {
-    found.plan = legal_plan(problem, *plan);
+    for (const Step& step : legal_plan(problem, *plan).steps) found.plan.push_back(step.connection);
     guide = guide_by_plan(found.plan);
   }
   const std::vector<PolicyState> states =
@@ -277,15 +302,20 @@ py::tuple simulate_problem(const ProblemPointer& problem, const std::optional<st
                            const std::optional<std::string>& policy, std::uint64_t count,
                            std::uint64_t seed, Run run) {
   require_one_robot(*problem, "simulate");
-  if (TransitionSystem(*problem).wide()) {
-    throw InputError(
-        "simulate plays attempts at single connections until none is left, which earn what they "
-        "earn whatever came before; here a goal, part steps or costs between steps say otherwise");
-  }
+  if (const auto reason = simulation_obstacle(TransitionSystem(*problem)))
+    throw InputError(*reason);
   Followed found;
   run.calls_back = calls_python(*problem);
   run_watched(run, true, [&](const Budget& budget) {
-    found = followed(*problem, plan, policy, {.runs = count, .seed = seed}, budget);
+    const SimulationOptions options{.runs = count, .seed = seed};
+    if (!TransitionSystem(*problem).wide()) {
+      found = followed(*problem, plan, policy, options, budget);
+    } else if (policy) {
+      throw InputError(
+          "policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
+    } else {
+      found = certainly_followed(*problem, plan, options, budget);
+    }
   });
   std::optional<double> expected;
   std::optional<double> expected_attempts;

@@ -59,6 +59,30 @@ class Simulate(Case):
             with self.subTest(arguments=arguments):
                 self.check_sentence(orasp("simulate", self.problem, *arguments))
 
+    def test_goals_part_steps_and_costs_between_steps_take_the_plan_as_it_stands(self):
+        parts = [{"id": part} for part in "abcd"]
+        joined = [{"parts": pair, "attributes": {"tool": tool}} for pair, tool in (("ab", "x"), ("bc", "y"), ("cd", "x"))]
+        for connection in joined:
+            connection["parts"] = list(connection["parts"])
+        plain = {"format": "orasp-problem/1", "parts": parts, "connections": joined, "objective": {"type": "cubesat"}}
+        for change in ({"goal": {"free": ["d"]}}, {"action": "part"},
+                       {"objective": {"type": "changeover", "attribute": "tool", "cost": 2}}):
+            with self.subTest(change):
+                self.problem = self.file("wide.json", json.dumps(plain | change))
+                plan = json.loads(orasp("solve", self.problem, "--json").out)
+                attempts = len(plan["steps"])
+                found = self.figures("-n", "7")
+                self.assertEqual((found["n"], found["attempts"], found["deviation"]), (7, {"mean": attempts, "max": attempts}, 0))
+                self.assertAlmostEqual(found["expected"], plan["reward"])
+                self.assertAlmostEqual(found["mean"], plan["reward"])
+                other = json.loads(orasp("solve", self.problem, "--method", "random", "--seed", "3", "--json").out)
+                file = self.file("plan.json", json.dumps(other))
+                self.assertAlmostEqual(self.figures("--plan", file, "-n", "7")["mean"], other["reward"])
+                self.check_sentence(orasp("simulate", self.problem, "--policy", file))
+        uncertain = json.loads(json.dumps(plain | {"goal": {"free": ["d"]}}))
+        uncertain["connections"][0]["success"] = 0.5
+        self.check(orasp("simulate", self.file("both.json", json.dumps(uncertain))), 30, error="here a goal or costs between steps")
+
     def test_other_methods_say_that_they_do_not_apply(self):
         answer = orasp("solve", self.problem, "--method", "dijkstra")
         self.check_sentence(answer)

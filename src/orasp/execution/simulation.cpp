@@ -111,4 +111,17 @@ Simulation simulate(const UncertainGraph& graph, std::span<const std::uint32_t> 
   return simulation;
 }
 
+Simulation certain_runs(double reward, std::uint64_t attempts, const SimulationOptions& options) {
+  Simulation simulation;
+  simulation.rewards.assign(options.runs, reward);
+  simulation.attempts.assign(options.runs, attempts);
+  return simulation;
+}
+
+std::optional<std::string> simulation_obstacle(const TransitionSystem& system) {
+  if (!system.wide() || !system.problem().uncertain()) return std::nullopt;
+  return "simulate plays attempts that may fail where every connection is handled and steps earn "
+         "what they earn whatever came before; here a goal or costs between steps say otherwise";
+}
+
 }  // namespace orasp

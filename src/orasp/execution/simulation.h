@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "orasp/graph/uncertain_graph.h"
@@ -48,5 +50,13 @@ struct Simulation {
                                   std::span<const std::uint32_t> choice,
                                   std::span<const ConnectionIndex> plan,
                                   const SimulationOptions& options, const Budget& budget);
+
+/// Runs where every attempt succeeds, as with a goal, part steps and costs between steps
+/// (TransitionSystem::wide()): each takes the same steps and earns the same. O(runs).
+[[nodiscard]] Simulation certain_runs(double reward, std::uint64_t attempts,
+                                      const SimulationOptions& options);
+
+/// Why attempts of this problem cannot be played, in one sentence; empty where they can.
+[[nodiscard]] std::optional<std::string> simulation_obstacle(const TransitionSystem& system);
 
 }  // namespace orasp

@@ -148,6 +148,8 @@ GraphEstimate looked_at(const TransitionSystem& system, const Budget& limits) {
   Budget budget;
   budget.deadline = limits.deadline;
   budget.stop = limits.stop;
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30U;
+  budget.max_bytes = std::min(allowed_bytes(limits), kMostBytes);
   // An expansion looks at the moves of each part, and for each at all parts and connections; and
   // the more parts, the less likely that H is small.
   const auto parts = static_cast<double>(system.problem().num_parts());

@@ -1,9 +1,11 @@
 #include "orasp/graph/wide_graph_builder.h"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "orasp/containers/state_table.h"
+#include "orasp/task/detail/listing_watch.h"
 #include "orasp/task/memory_limit.h"
 
 namespace orasp {
@@ -37,12 +39,19 @@ StateGraph WideGraphBuilder::build(std::uint64_t most_states) {
   std::vector<std::uint64_t> key(words);
   std::vector<std::uint64_t> next(words);
   std::size_t expanded = 0;
+  const detail::ListingWatch watch(system_, budget_);
   Stop stop = budget_.expired();
   for (std::size_t left = steps; left > 0 && stop == Stop::None; --left) {
     for (std::size_t i = 0; i < open_states[left].size() && stop == Stop::None; ++i) {
       const StateId state = open_states[left][i];
       std::copy_n(table.key(state), words, key.begin());
-      const auto legal = expander.legal_actions(key);
+      std::span<const Action> legal;
+      try {
+        legal = expander.legal_actions(key);
+      } catch (const detail::ListingStopped& stopped) {
+        stop = watch.reason(stopped);
+        break;
+      }
       first_action[state] = successors.size();
       actions_of[state] = static_cast<std::uint32_t>(legal.size());
       for (const Action& action : legal) {

@@ -15,6 +15,7 @@
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
+#include "orasp/task/detail/listing_watch.h"
 
 namespace orasp {
 
@@ -194,9 +195,16 @@ class WideLearner {
 
   void run() {
     number_of(system_.start_state());
+    const detail::ListingWatch listing(system_, budget_);
     while (result_.stop == Stop::None) {
       result_.stop = budget_.expired(bytes(), result_.statistics.expanded);
-      if (result_.stop != Stop::None || !episode()) break;
+      if (result_.stop != Stop::None) break;
+      try {
+        if (!episode()) break;
+      } catch (const detail::ListingStopped& stopped) {
+        result_.stop = listing.reason(stopped);
+        break;
+      }
       ++result_.statistics.sweeps;
       if (result_.statistics.sweeps % 256 == 0) {
         budget_.report({.phase = "episodes",
@@ -209,7 +217,8 @@ class WideLearner {
     result_.statistics.states = table_.size();
     result_.statistics.actions = entries_.size();
     result_.statistics.peak_bytes = bytes();
-    const double most = value(0);
+    const bool begun = rows_[0].first != kNotExpanded;
+    const double most = begun ? value(0) : bound_(system_.start_state());
     if (result_.has_plan()) {
       detail::judge_by(std::isfinite(most) ? std::optional(most) : std::nullopt, result_);
     } else if (most == -kInfinity && result_.stop == Stop::None) {

@@ -131,6 +131,8 @@ std::span<const Action> Expander::Scratch::wide_actions(SetView state) {
   if (rules.may_stop && rules.goal_holds(present(open))) add_stop();
   if (!rules.by_part) {
     connection_moves(open);
+  } else if (!target.empty()) {
+    part_moves_to(open, target);
   } else if (rules.making) {
     making_part_moves(open);
   } else {
@@ -311,6 +313,54 @@ std::size_t Expander::Scratch::subassemblies_of(SetView there) const {
   return number;
 }
 
+// Leaves a list of steps that has grown too long for whoever asked for it.
+void Expander::Scratch::leave_list_if_told(std::uint64_t& asked) const {
+  constexpr std::uint64_t kPollEvery = 256;
+  if (++asked % kPollEvery != 0 || !rules.listing.stop) return;
+  const std::uint64_t bytes = wide_legal.capacity() * sizeof(Action) +
+                              moves.capacity() * sizeof(Move) +
+                              move_connections.capacity() * sizeof(ConnectionIndex) +
+                              move_successors.capacity() * sizeof(std::uint64_t);
+  if (rules.listing.stop(bytes)) throw detail::ListingStopped{bytes};
+}
+
+// The steps after which the connections of `wanted` are open: whatever moves is one of the pieces
+// that what is handled stands between.
+void Expander::Scratch::part_moves_to(SetView open, SetView wanted) {
+  const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
+  std::vector<std::uint64_t> apart = there;  // what is there while the pieces are apart
+  for (std::size_t w = 0; w < rules.words; ++w) apart[w] &= ~(open[w] & ~wanted[w]);
+  std::vector<std::vector<PartIndex>> all;
+  std::vector<std::size_t> piece_of(problem.num_parts(), 0);
+  subassemblies_now = subassemblies_of(there);
+  rules.graph.for_each_piece(apart, [&](std::span<const PartIndex> piece) {
+    for (const PartIndex part : piece) piece_of[part] = all.size();
+    all.emplace_back(piece.begin(), piece.end());
+    std::ranges::sort(all.back());
+  });
+  std::vector<std::vector<std::size_t>> touched(all.size());
+  for_each_connection(open, [&](ConnectionIndex c) {
+    if (contains(wanted, c)) return;
+    const std::size_t first = piece_of[problem.ends(c)[0]];
+    const std::size_t second = piece_of[problem.ends(c)[1]];
+    if (first == second) return;
+    touched[first].push_back(second);
+    touched[second].push_back(first);
+  });
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    std::vector<std::size_t>& others = touched[p];
+    std::ranges::sort(others);
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    const auto is_base = [this](PartIndex part) { return problem.in_base(part); };
+    if (others.empty() || all[p].size() > rules.max_moved_parts ||
+        std::ranges::any_of(all[p], is_base))
+      continue;
+    std::vector<std::vector<PartIndex>> rest;
+    for (const std::size_t other : others) rest.push_back(all[other]);
+    offer_part(open, all[p], rest);
+  }
+}
+
 // Takes a connected set of parts off its piece: all such sets of all pieces.
 void Expander::Scratch::part_moves(SetView open) {
   const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
@@ -327,10 +377,12 @@ void Expander::Scratch::part_moves(SetView open) {
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
   std::vector<unsigned char> in_rest(parts, 0);
+  std::uint64_t asked = 0;
   subassemblies_now = subassemblies_of(there);
   rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
     if (piece.size() < 2) return;
-    const std::size_t most = std::min(piece.size() - 1, rules.max_moved_parts);
+    const std::size_t most =
+        std::min({piece.size() - 1, rules.max_moved_parts, rules.listing.most});
     if (most == 0) return;
     std::vector<PartIndex> loose;  // the parts that may move
     for (const PartIndex part : piece) {
@@ -345,6 +397,7 @@ void Expander::Scratch::part_moves(SetView open) {
       }
     }
     const auto visit = [&](std::span<const PartIndex> moved) {
+      leave_list_if_told(asked);
       for (const PartIndex part : piece) in_rest[part] = 1;
       for (const PartIndex part : moved) in_rest[part] = 0;
       // Most sets that cannot move are found out before the rest is looked at.
@@ -378,6 +431,7 @@ void Expander::Scratch::making_part_moves(SetView open) {
   const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
   std::vector<std::vector<PartIndex>> all;
   std::vector<std::size_t> piece_of(problem.num_parts(), 0);
+  std::uint64_t asked = 0;
   subassemblies_now = subassemblies_of(there);
   rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
     for (const PartIndex part : piece) piece_of[part] = all.size();
@@ -398,20 +452,19 @@ void Expander::Scratch::making_part_moves(SetView open) {
     others.erase(std::unique(others.begin(), others.end()), others.end());
     const auto is_base = [this](PartIndex part) { return problem.in_base(part); };
     if (all[p].size() > rules.max_moved_parts || std::ranges::any_of(all[p], is_base)) continue;
-    // Every choice of pieces among those that it touches.
-    constexpr std::size_t kMostTouched = 20;
-    if (others.size() > kMostTouched)
-      throw InputError("action: " + std::to_string(others.size()) +
-                       " pieces touch one that may be put on; the choices among them are too many, "
-                       "at most " +
-                       std::to_string(kMostTouched) + " are gone through");
-    for (std::uint64_t chosen = 1; chosen < std::uint64_t{1} << others.size(); ++chosen) {
-      std::vector<std::vector<PartIndex>> rest;
-      for (std::size_t i = 0; i < others.size(); ++i) {
-        if ((chosen >> i & 1U) != 0) rest.push_back(all[others[i]]);
+    // Every choice of pieces among those that it touches: first those that end with the first of
+    // them, then those that end with the second, and so on.
+    std::vector<std::vector<PartIndex>> rest;
+    const auto choose = [&](const auto& self, std::size_t before) -> void {
+      for (std::size_t i = 0; i < before; ++i) {
+        leave_list_if_told(asked);
+        rest.insert(rest.begin(), all[others[i]]);
+        offer_part(open, all[p], rest);
+        if (rest.size() < rules.listing.most) self(self, i);
+        rest.erase(rest.begin());
       }
-      offer_part(open, all[p], rest);
-    }
+    };
+    choose(choose, others.size());
   }
 }
 
@@ -519,6 +572,10 @@ PlanWalk Expander::steps_along(std::span<const std::uint64_t> states) {
   for (std::size_t i = 0; (i + 2) * words <= states.size(); ++i) {
     const SetView from = states.subspan(i * words, words);
     const SetView to = states.subspan((i + 1) * words, words);
+    // Where steps take parts off there may be too many of them to go through. Where a goal is
+    // reached, what is left open is not known.
+    const bool over = system_.ends(to) && scratch_->rules.has_goal;
+    if (!over) scratch_->target.assign(to.begin(), to.begin() + scratch_->rules.words);
     const Action* best = nullptr;
     for (const Action& action : legal_actions(from)) {
       successor(from, action, next);
@@ -530,6 +587,7 @@ PlanWalk Expander::steps_along(std::span<const std::uint64_t> states) {
     PlanStep step = plan_step(*best);
     walk.reward += best->reward;
     if (!step.connections.empty()) walk.steps.push_back(std::move(step));
+    scratch_->target.clear();
   }
   return walk;
 }

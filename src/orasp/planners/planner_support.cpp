@@ -5,9 +5,11 @@
 #include <memory>
 #include <utility>
 
+#include "orasp/model/detail/rules.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/detail/peeled_plan.h"
 #include "orasp/planners/detail/quick_plan.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/feasibility.h"
 #include "orasp/planners/greedy.h"
 
@@ -42,6 +44,7 @@ namespace {
 
 /// The seconds that a quick plan may take after a limit has ended a method.
 constexpr double kAtOnce = 0.02;
+constexpr double kAtOnceByPart = 0.08;
 
 }  // namespace
 
@@ -78,10 +81,10 @@ Result any_plan(const TransitionSystem& system, const Budget& budget) {
   return result;
 }
 
-Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view method, Stop stop,
-                               const Statistics& statistics) {
-  Budget at_once;
-  at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_steps(), 2000);
+namespace {
+
+/// A plan where a step handles one connection and nothing else, as quickly as there is one.
+Result quick_narrow_plan(const TransitionSystem& system, Budget at_once) {
   // A quick plan of few takes some milliseconds at most, and no limit is needed.
   const bool small = system.num_connections() <= kManyConnections;
   if (!small) at_once.set_time_limit(kAtOnce);
@@ -93,6 +96,24 @@ Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view 
     if (!small) at_once.set_time_limit(kAtOnce);
     result = any_plan(system, at_once);
   }
+  return result;
+}
+
+/// The same for TransitionSystem::wide().
+Result quick_wide_plan(const TransitionSystem& system, Budget at_once) {
+  if (!system.rules().by_part) return greedy(system, at_once);
+  at_once.set_time_limit(kAtOnceByPart);
+  return plan_of_few_moves(system, at_once);
+}
+
+}  // namespace
+
+Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view method, Stop stop,
+                               const Statistics& statistics) {
+  Budget at_once;
+  at_once.max_expansions = std::max<std::uint64_t>(2 * system.num_steps(), 2000);
+  Result result =
+      system.wide() ? quick_wide_plan(system, at_once) : quick_narrow_plan(system, at_once);
   // A proof by greedy is none of the method that was asked.
   if (result.status == Status::Infeasible) result.status = Status::Unknown;
   result.method = method;

@@ -13,8 +13,10 @@ RandomRewards draw_rewards(const TransitionSystem& system, std::uint64_t count, 
   SplitMix64 seeds(seed);
   for (std::uint64_t i = 0; i < count; ++i) {
     Result result = random_sequence(system, {.seed = seeds.next()}, budget);
-    if (!result.has_plan()) {
+    // The quick plan of a stopped run was not drawn.
+    if (!result.has_plan() || result.stop != Stop::None) {
       drawn.last = std::move(result);
+      if (drawn.last.stop != Stop::None) drawn.last.notes.clear();
       break;
     }
     drawn.rewards.push_back(result.reward);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "orasp/model/detail/connectivity.h"
+#include "orasp/model/detail/listing.h"
 #include "orasp/model/detail/problem_totals.h"
 #include "orasp/model/objectives/objective_term.h"
 #include "orasp/model/problem.h"
@@ -105,6 +106,9 @@ struct Rules {
   bool ordered = false;       ///< something cannot be next or is late
   /// Whether a legal step may lead to a state from which the goal cannot be reached.
   bool may_shut_out = false;
+
+  /// Of whoever plans, who holds the rules as they are.
+  mutable Listing listing{};
 
   Rules(const Problem& problem, const Situation& situation, Walk walk);
   [[nodiscard]] bool precedence_met(SetView open, ConnectionIndex c) const;

@@ -95,6 +95,11 @@ struct Expander::Scratch {
                                       std::span<const unsigned char> marked);
   [[nodiscard]] std::size_t subassemblies_of(SetView there) const;
   void making_part_moves(SetView open);
+  void part_moves_to(SetView open, SetView target);
+  void leave_list_if_told(std::uint64_t& asked) const;
+  /// Where not empty: of the steps that take parts off or put them on, those that lead to a state
+  /// in which this is open.
+  std::vector<std::uint64_t> target;
   std::size_t subassemblies_now = 0;  ///< pieces of two or more parts before the moves listed
   void offer_part(SetView open, std::span<const PartIndex> moved,
                   std::span<const std::vector<PartIndex>> rest);

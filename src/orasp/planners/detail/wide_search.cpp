@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,10 +13,13 @@
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/graph/graph_estimate.h"
+#include "orasp/model/detail/listing.h"
+#include "orasp/model/detail/rules.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/task/detail/listing_watch.h"
 #include "orasp/task/memory_limit.h"
 
 namespace orasp::detail {
@@ -28,6 +34,12 @@ void take_states(const TransitionSystem& system, const Words& states, Result& re
   result.status = Status::Feasible;
 }
 
+void take_plan(const Result& from, Result& to) {
+  to.reward = from.reward;
+  to.sequence = from.sequence;
+  to.steps = from.steps;
+}
+
 /// The states from the start to `last`, by each state's parent in a table.
 template <class Parents>
 Words states_to(const StateTable<0>& table, const Parents& parent, std::uint32_t last,
@@ -38,6 +50,17 @@ Words states_to(const StateTable<0>& table, const Parents& parent, std::uint32_t
   for (auto state = path.rbegin(); state != path.rend(); ++state)
     states.insert(states.end(), table.key(*state), table.key(*state) + words);
   return states;
+}
+
+/// The legal actions of a state; `stop` says where the budget was spent before all were listed.
+std::span<const Action> listed(Expander& expander, SetView state, const ListingWatch& watch,
+                               Stop& stop) {
+  try {
+    return expander.legal_actions(state);
+  } catch (const ListingStopped& stopped) {
+    stop = watch.reason(stopped);
+    return {};
+  }
 }
 
 double rounding_of(const TransitionSystem& system, double running) {
@@ -74,6 +97,7 @@ Result wide_a_star(const TransitionSystem& system, const Budget& budget) {
     if (a.promise != b.promise) return a.promise < b.promise;
     return a.open != b.open ? a.open > b.open : a.state < b.state;
   };
+  const ListingWatch listing(system, budget);
   Expander expander(system);
   StateTable<0> table(words);
   GrowingArray<double> reward;
@@ -132,7 +156,12 @@ Result wide_a_star(const TransitionSystem& system, const Budget& budget) {
         break;
       }
     }
-    for (const Action& action : expander.legal_actions(key)) {
+    const std::span<const Action> actions = listed(expander, key, listing, result.stop);
+    if (result.stop != Stop::None) {
+      result.bound = top.promise + tick;
+      break;
+    }
+    for (const Action& action : actions) {
       ++statistics.generated;
       expander.successor(key, action, next);
       meet(next.data(), top.reward + action.reward, top.state);
@@ -165,8 +194,8 @@ struct Untried {
 /// The frame of the searches that hold one path and the untried actions of its states.
 class PathSearch {
  public:
-  explicit PathSearch(const TransitionSystem& system)
-      : system_(system), expander_(system), words_(system.words()) {
+  PathSearch(const TransitionSystem& system, const Budget& budget)
+      : system_(system), listing_(system, budget), expander_(system), words_(system.words()) {
     const SetView start = system.start_state();
     states_.assign(start.begin(), start.end());
   }
@@ -187,11 +216,14 @@ class PathSearch {
   }
 
   /// Lists the actions of the state at the end of the path; `rest(state)` bounds what follows each,
-  /// `order(actions)` puts them into the order in which they are taken, from the back.
+  /// `order(actions)` puts them into the order in which they are taken, from the back. `stop` says
+  /// where the budget was spent before all were listed: then none is there.
   template <class Rest, class Order>
-  void enter(Rest&& rest, Order&& order) {
+  void enter(Rest&& rest, Order&& order, Stop& stop) {
     frames_.push_back({untried_.size(), successors_.size()});
-    for (const Action& action : expander_.legal_actions(state())) {
+    const std::span<const Action> actions = listed(expander_, state(), listing_, stop);
+    interrupted_ = stop != Stop::None;
+    for (const Action& action : actions) {
       const std::size_t begin = successors_.size();
       successors_.resize(begin + words_);
       const std::span<std::uint64_t> next = std::span(successors_).subspan(begin);
@@ -222,6 +254,11 @@ class PathSearch {
     frames_.pop_back();
     if (!frames_.empty()) back();
   }
+  /// What the state at the end of the path promises where its actions were not all listed.
+  template <class Rest>
+  [[nodiscard]] double promise_of_last(Rest&& rest) const {
+    return interrupted_ ? running() + rest(state()) : -kInfinity;
+  }
   /// The most that one of the untried actions of the whole path promises.
   [[nodiscard]] double most_promised() const {
     double most = -kInfinity;
@@ -240,6 +277,7 @@ class PathSearch {
   };
 
   const TransitionSystem& system_;
+  ListingWatch listing_;
   Expander expander_;
   std::size_t words_;
   Words states_;
@@ -247,6 +285,7 @@ class PathSearch {
   std::vector<Untried> untried_;
   std::vector<Frame> frames_;
   Words successors_;
+  bool interrupted_ = false;
 };
 
 const auto kNoRest = [](SetView) { return 0.0; };
@@ -263,7 +302,7 @@ Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, cons
   Result result;
   result.method = "orasp-search";
   Statistics& statistics = result.statistics;
-  PathSearch search(system);
+  PathSearch search(system, budget);
   StateTable<0> met(system.words());
   GrowingArray<double> best;
   const auto meet = [&](SetView state, double running) {
@@ -288,12 +327,12 @@ Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, cons
   const auto bytes = [&] { return met.bytes() + best.bytes() + search.bytes(); };
   const auto arrive = [&] {
     if (search.at_end()) take_states(system, search.states(), result);
-    search.enter(rest, order);
+    search.enter(rest, order, result.stop);
     ++statistics.expanded;
   };
   meet(system.start_state(), 0);
   arrive();
-  result.stop = budget.expired(0, statistics.expanded);
+  if (result.stop == Stop::None) result.stop = budget.expired(0, statistics.expanded);
   while (!search.over() && result.stop == Stop::None) {
     if (search.all_tried()) {
       search.leave();
@@ -309,6 +348,7 @@ Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, cons
     }
     search.follow(action);
     arrive();
+    if (result.stop != Stop::None) break;
     if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
       result.stop =
           bytes() > allowed ? Stop::MemoryLimit : budget.expired(bytes(), statistics.expanded);
@@ -321,7 +361,8 @@ Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, cons
   statistics.states = met.size();
   statistics.peak_bytes = bytes();
   if (result.stop != Stop::None) {
-    const double most = std::max(result.reward, search.most_promised());
+    const double most =
+        std::max({result.reward, search.promise_of_last(rest), search.most_promised()});
     if (!result.has_plan())
       result = stopped_with_quick_plan(system, "orasp-search", result.stop, statistics);
     result.bound = std::max(most, result.reward);
@@ -345,16 +386,16 @@ Result wide_exhaustive(const TransitionSystem& system, const Budget& budget) {
   Result result;
   result.method = "exhaustive";
   Statistics& statistics = result.statistics;
-  PathSearch search(system);
+  PathSearch search(system, budget);
   const auto as_listed = [](std::span<Untried> actions) { std::ranges::reverse(actions); };
   const auto arrive = [&] {
     if (search.at_end() && (!result.has_plan() || search.running() > result.reward))
       take_states(system, search.states(), result);
-    search.enter(kNoRest, as_listed);
+    search.enter(kNoRest, as_listed, result.stop);
     ++statistics.expanded;
   };
   arrive();
-  result.stop = budget.expired(0, statistics.expanded);
+  if (result.stop == Stop::None) result.stop = budget.expired(0, statistics.expanded);
   while (!search.over() && result.stop == Stop::None) {
     if (search.all_tried()) {
       search.leave();
@@ -363,6 +404,7 @@ Result wide_exhaustive(const TransitionSystem& system, const Budget& budget) {
     search.follow(search.take());
     ++statistics.generated;
     arrive();
+    if (result.stop != Stop::None) break;
     if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
       result.stop = budget.expired(0, statistics.expanded);
       budget.report({.phase = "search", .done = statistics.expanded, .best = result.reward});
@@ -394,14 +436,14 @@ Result some_plan(const TransitionSystem& system, const Budget& budget, std::stri
   Result result;
   result.method = method;
   Statistics& statistics = result.statistics;
-  PathSearch search(system);
+  PathSearch search(system, budget);
   StateTable<0> failed(system.words());
   const auto arrive = [&] {
-    search.enter(rest, order);
+    search.enter(rest, order, result.stop);
     ++statistics.expanded;
   };
   arrive();
-  result.stop = budget.expired(0, statistics.expanded);
+  if (result.stop == Stop::None) result.stop = budget.expired(0, statistics.expanded);
   while (!search.over() && result.stop == Stop::None && !search.at_end()) {
     if (search.all_tried()) {
       failed.insert(search.state().data());
@@ -416,6 +458,7 @@ Result some_plan(const TransitionSystem& system, const Budget& budget, std::stri
     search.follow(action);
     ++statistics.generated;
     arrive();
+    if (result.stop != Stop::None) break;
     if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery)
       result.stop = budget.expired(failed.bytes() + search.bytes(), statistics.expanded);
   }
@@ -436,13 +479,90 @@ Result some_plan(const TransitionSystem& system, const Budget& budget, std::stri
   return result;
 }
 
+const auto greatest_last = [](std::span<Untried> actions) {
+  std::ranges::reverse(actions);
+  std::ranges::stable_sort(actions, {}, &Untried::reward);
+};
+
+/// Whether plans can be looked for backwards: where steps put parts on and look at nothing that was
+/// done before.
+bool turns_round(const TransitionSystem& system) {
+  return system.rules().by_part && !system.takes_apart() && !system.ordered() &&
+         !system.looks_back();
+}
+
+/// A plan of system.backwards() as one of `system`. No plan: it is none there.
+Result turned_round(const TransitionSystem& system, Result result) {
+  if (!result.has_plan()) return result;
+  Words states(system.start_state().begin(), system.start_state().end());
+  for (auto step = result.steps.rbegin(); step != result.steps.rend(); ++step) {
+    const std::size_t last = states.size() - system.words();
+    for (std::size_t w = 0; w < system.words(); ++w) states.push_back(states[last + w]);
+    for (const ConnectionIndex c : step->connections)
+      states[last + system.words() + c / 64] &= ~(std::uint64_t{1} << (c % 64));
+  }
+  const Status status = result.status;
+  const double reward = result.reward;
+  try {
+    take_states(system, states, result);
+    result.status = status;
+  } catch (const std::logic_error&) {
+    return {};
+  }
+  return meets(result.reward, reward) ? result : Result();
+}
+
+/// Where steps take parts off and there were too many of them to list, a quick plan.
+Result or_quick_plan(const TransitionSystem& system, const Budget& budget, Result result) {
+  const bool spent = result.stop == Stop::TimeLimit || result.stop == Stop::MemoryLimit;
+  if (result.has_plan() || !spent || !system.rules().by_part || budget.expired() == Stop::Cancelled)
+    return result;
+  return stopped_with_quick_plan(system, result.method, result.stop, result.statistics);
+}
+
+/// Whether the start has more steps than can be gone through again and again.
+bool has_many_moves(const TransitionSystem& system) {
+  constexpr int kMostAsked = 100;  // times 256 steps
+  if (!system.rules().by_part) return false;
+  int asked = 0;
+  auto& stop = system.rules().listing.stop;
+  auto before = std::exchange(stop, [&asked](std::uint64_t) { return ++asked > kMostAsked; });
+  bool many = false;
+  try {
+    static_cast<void>(Expander(system).legal_actions(system.start_state()));
+  } catch (const ListingStopped&) {
+    many = true;
+  }
+  stop = std::move(before);
+  return many;
+}
+
 }  // namespace
 
+Result plan_of_few_moves(const TransitionSystem& system, const Budget& budget) {
+  if (turns_round(system)) {
+    const TransitionSystem backwards = system.backwards();
+    Result turned = turned_round(system, plan_of_few_moves(backwards, budget));
+    if (turned.has_plan()) return turned;
+  }
+  Result result;
+  result.method = "greedy";
+  for (const std::size_t most : {1, 2, 4}) {
+    const TransitionSystem forwards(system.problem(), system.situation());
+    const auto plan_on = [&](const TransitionSystem& few) {
+      few.rules().listing.most = most;
+      return some_plan(few, budget, "greedy", kNoRest, greatest_last);
+    };
+    Result found = system.completes_first() ? plan_on(forwards.backwards()) : plan_on(forwards);
+    if (found.has_plan()) return found;
+    result.stop = found.stop;
+    if (budget.expired() != Stop::None) break;
+  }
+  return result;
+}
+
 Result wide_greedy(const TransitionSystem& system, const Budget& budget) {
-  return some_plan(system, budget, "greedy", kNoRest, [](std::span<Untried> actions) {
-    std::ranges::reverse(actions);
-    std::ranges::stable_sort(actions, {}, &Untried::reward);
-  });
+  return or_quick_plan(system, budget, some_plan(system, budget, "greedy", kNoRest, greatest_last));
 }
 
 Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
@@ -452,6 +572,7 @@ Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Bud
     for (std::size_t left = actions.size(); left > 1; --left)
       std::swap(actions[left - 1], actions[random.below(left)]);
   });
+  result = or_quick_plan(system, budget, std::move(result));
   result.seed = seed;
   return result;
 }
@@ -484,12 +605,11 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
   result.method = "beam";
   if (incumbent != nullptr && incumbent->has_plan()) {
     result.status = Status::Feasible;
-    result.reward = incumbent->reward;
-    result.sequence = incumbent->sequence;
-    result.steps = incumbent->steps;
+    take_plan(*incumbent, result);
   }
   Statistics& statistics = result.statistics;
   const double all = bound(system.start_state());
+  const ListingWatch listing(system, budget);
   Expander expander(system);
   Words key(words);
   Words next(words);
@@ -541,7 +661,9 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
       }
       for (const Node& node : layer) {
         std::copy_n(table.key(node.state), words, key.begin());
-        for (const Action& action : expander.legal_actions(key)) {
+        const std::span<const Action> actions = listed(expander, key, listing, result.stop);
+        if (result.stop != Stop::None) break;
+        for (const Action& action : actions) {
           expander.successor(key, action, next);
           ++statistics.generated;
           meet(next, reward[node.state] + action.reward, node.state);
@@ -587,8 +709,77 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
 
 // -------------------------------------------------------------------------------------------------
 
+namespace {
+
+/// With more parts than this, a plan of steps that move few parts comes first.
+constexpr std::size_t kManyParts = 30;
+
+/// How many states may be expanded before something else is tried, at the cost of about `work`
+/// numbers: an expansion bounds up to n states, each by up to n^2 of them.
+std::uint64_t expansions_at_first(const TransitionSystem& system, double work) {
+  const auto n = static_cast<double>(system.num_steps());
+  return static_cast<std::uint64_t>(std::clamp(work / (n * n * n + 1), 200.0, 20'000.0));
+}
+
+/// A plan of steps that move few parts, improved by a beam over these; what bounds it holds for all
+/// steps. No plan: none was found soon.
+Result by_few_moves(const TransitionSystem& system, bool bounded, const Budget& budget) {
+  Result best = plan_of_few_moves(system, budget);
+  if (!best.has_plan()) return best;
+  best.status = Status::Feasible;
+  if (!bounded) return best;
+  const double most = WideBound(system)(system.start_state());
+  Budget look = budget;
+  look.max_expansions = std::min(budget.max_expansions, expansions_at_first(system, 3e9));
+  const auto improve = [&](const TransitionSystem& few) {
+    for (const std::size_t parts : {1, 2}) {
+      if (meets(best.reward, most) || budget.expired() != Stop::None) break;
+      few.rules().listing.most = parts;
+      Result found = wide_beam(few, &best, look);
+      if (found.has_plan() && found.reward > best.reward) best = std::move(found);
+    }
+  };
+  const TransitionSystem forwards(system.problem(), system.situation());
+  system.completes_first() ? improve(forwards.backwards()) : improve(forwards);
+  best.status = Status::Feasible;
+  best.stop = budget.expired();
+  best.bound = std::max(most, best.reward);
+  judge_by(best.bound, best);
+  return best;
+}
+
+/// A plan of an assembly that is found from its end, where more is known about what is still to
+/// come. That there is none, or how good it is, is not said: where steps take parts off, what they
+/// earn may depend on the way in which they are walked.
+Result plan_from_the_end(const TransitionSystem& system, const Budget& budget) {
+  Budget part = budget;
+  const auto now = Budget::Clock::now();
+  if (budget.deadline) part.deadline = now + (*budget.deadline - now) / 4;
+  const TransitionSystem backwards = system.backwards();
+  const bool bounded = WideBound(backwards).known();
+  Result found = by_few_moves(backwards, bounded, part);
+  if (bounded && !has_many_moves(backwards)) {
+    part.max_expansions = std::min(part.max_expansions, expansions_at_first(system, 3e8));
+    Result better = wide_beam(backwards, found.has_plan() ? &found : nullptr, part);
+    if (better.has_plan()) found = std::move(better);
+  }
+  Result result = turned_round(system, std::move(found));
+  if (result.has_plan()) result.status = Status::Feasible;
+  result.bound.reset();
+  return result;
+}
+
+}  // namespace
+
 Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   if (auto result = infeasible_at_once(system, "auto")) return *result;
+  const Result turned = turns_round(system) ? plan_from_the_end(system, budget) : Result();
+  const auto better_of = [&turned](Result plan) {
+    if (!turned.has_plan() || plan.reward >= turned.reward) return plan;
+    take_plan(turned, plan);
+    plan.status = Status::Feasible;
+    return plan;
+  };
   const Stopwatch watch;
   const auto answer = [&](Result result, const std::string& how) {
     result.method = "auto";
@@ -597,8 +788,18 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     return result;
   };
   const bool bounded = WideBound(system).known();
+  if (has_many_moves(system)) {
+    Result result = better_of(by_few_moves(system, bounded, budget));
+    judge_by(result.bound, result);
+    if (result.has_plan())
+      return answer(std::move(result),
+                    "beam over steps that move few parts, since there are too many others");
+  }
   // A plan that meets the bound ends it at once.
-  Result plan = wide_guided_greedy(system, budget);
+  const bool large = system.rules().by_part && system.problem().num_parts() > kManyParts;
+  Result plan = large ? plan_of_few_moves(system, budget) : Result();
+  if (!plan.has_plan()) plan = wide_guided_greedy(system, budget);
+  if (plan.status != Status::Infeasible) plan = better_of(std::move(plan));
   if (plan.status == Status::Infeasible)
     return answer(std::move(plan), "all orders were looked at");
   if (bounded && plan.has_plan() && meets(plan.reward, WideBound(system)(system.start_state()))) {
@@ -608,12 +809,8 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   // Best first, as long as that is quick.
   double most = kInfinity;
   if (bounded) {
-    // An expansion bounds up to n states, each by up to n^2 numbers.
-    const auto n = static_cast<double>(system.num_steps());
-    const auto first_look =
-        static_cast<std::uint64_t>(std::clamp(3e8 / (n * n * n + 1), 200.0, 20'000.0));
     Budget look = budget;
-    look.max_expansions = std::min(budget.max_expansions, first_look);
+    look.max_expansions = std::min(budget.max_expansions, expansions_at_first(system, 3e8));
     Result found = wide_a_star(system, look);
     if (found.status == Status::Optimal || found.status == Status::Infeasible)
       return answer(std::move(found), "a-star, since few states promise enough");

@@ -42,6 +42,12 @@ namespace orasp::detail {
                                  const Budget& budget);
 [[nodiscard]] Result wide_guided_greedy(const TransitionSystem& system, const Budget& budget);
 
+/// A plan where steps take parts off or put them on and there may be exponentially many in a state:
+/// by steps of one part or onto one piece where that goes, then of some more, each the one that
+/// earns most. No plan: none was found soon. O(parts) states, each listed in O(parts * connections)
+/// where single parts do.
+[[nodiscard]] Result plan_of_few_moves(const TransitionSystem& system, const Budget& budget);
+
 /// What auto does.
 [[nodiscard]] Result wide_automatic(const TransitionSystem& system, const Budget& budget);
 

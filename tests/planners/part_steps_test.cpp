@@ -1,0 +1,102 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "orasp/catalogue.h"
+#include "orasp/model/problem.h"
+#include "orasp/model/random.h"
+#include "orasp/planners/random_rewards.h"
+
+namespace orasp {
+namespace {
+
+/// Parts that hang together at random, taken off one after another: any connected set of them may
+/// be a step, so there are exponentially many.
+ProblemSpec many_sets(std::size_t parts, std::size_t connections, std::uint64_t seed,
+                      Direction direction) {
+  SplitMix64 random(seed);
+  ProblemSpec spec;
+  spec.action = StepKind::Part;
+  spec.direction = direction;
+  spec.objective = Objective::named("fuel");
+  for (std::size_t p = 0; p < parts; ++p) {
+    Part part;
+    part.id = "p" + std::to_string(p);
+    part.mass = static_cast<double>(1 + random.below(9));
+    spec.parts.push_back(std::move(part));
+  }
+  const auto join = [&](std::size_t a, std::size_t b) {
+    Connection connection;
+    connection.id = "c" + std::to_string(spec.connections.size());
+    connection.parts = {"p" + std::to_string(a), "p" + std::to_string(b)};
+    spec.connections.push_back(std::move(connection));
+  };
+  for (std::size_t p = 1; p < parts; ++p) join(random.below(p), p);
+  while (spec.connections.size() < connections) {
+    const std::size_t a = random.below(parts);
+    const std::size_t b = random.below(parts);
+    if (a != b) join(a, b);
+  }
+  return spec;
+}
+
+TEST(PartSteps, EveryMethodEndsAtItsLimitWithAPlanHoweverManySetsOfPartsThereAre) {
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+    const Problem problem(many_sets(40, 70, 1, direction));
+    for (const Planner* planner : one_robot_planners()) {
+      if (obstacle(problem, planner->name)) continue;
+      SCOPED_TRACE(std::string(planner->name));
+      const Result result = solve(problem, planner->name, {}, Budget::with_time_limit(0.3));
+      ASSERT_TRUE(result.has_plan());  // which solve() has checked
+      EXPECT_GE(result.bound.value_or(kInfinity), result.reward);
+      // Measured to be some hundredths of a second; a list that nobody leaves takes hours.
+      EXPECT_LT(result.statistics.seconds, 10);
+    }
+  }
+}
+
+TEST(PartSteps, AutoPlansForManyPartsWithoutALimit) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    double reward[2];
+    for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+      const Problem problem(many_sets(24, 30, seed, direction));
+      const Result result = solve(problem, "auto");
+      ASSERT_TRUE(result.has_plan());
+      EXPECT_GE(*result.bound, result.reward);
+      reward[direction == Direction::Assembly ? 1 : 0] = result.reward;
+    }
+    // The product is put together as well as it is taken apart.
+    EXPECT_NEAR(reward[1], reward[0], 0.25 * std::abs(reward[0]));
+  }
+}
+
+TEST(PartSteps, APieceThatTouchesManyIsPutOnAll) {
+  ProblemSpec spec;
+  spec.action = StepKind::Part;
+  spec.direction = Direction::Assembly;
+  spec.objective = Objective::named("cubesat");
+  spec.parts.emplace_back().id = "hub";
+  for (int i = 0; i < 40; ++i) {
+    const std::string screw = "screw " + std::to_string(i);
+    spec.parts.emplace_back().id = screw;
+    Connection& connection = spec.connections.emplace_back();
+    connection.id = "c" + std::to_string(i);
+    connection.parts = {"hub", screw};
+  }
+  const Result result = solve(Problem(std::move(spec)), "auto");
+  EXPECT_EQ(result.status, Status::Optimal);
+  EXPECT_DOUBLE_EQ(result.reward, 1);
+}
+
+TEST(PartSteps, QuickPlansAreNoSamples) {
+  const Problem problem(many_sets(40, 70, 1, Direction::Disassembly));
+  const TransitionSystem system(problem);
+  const RandomRewards drawn = draw_rewards(system, 5, 1, false, Budget::with_time_limit(0.2));
+  EXPECT_TRUE(drawn.rewards.empty());
+  EXPECT_EQ(drawn.last.stop, Stop::TimeLimit);
+}
+
+}  // namespace
+}  // namespace orasp
