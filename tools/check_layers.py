@@ -24,7 +24,7 @@ LAYERS = {
     "graph": {"model", "containers", "task", "bounds", "symmetry", "graph"},
     "planners": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners"},
     "mip": {"model", "containers", "task", "planners", "mip"},
-    "explain": {"model", "containers", "task", "bounds", "graph", "planners", "explain"},
+    "explain": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners", "explain"},
     "execution": {"model", "task", "graph", "planners", "execution"},
     "learning": {"model", "containers", "task", "bounds", "planners", "learning"},
     "fleet": {"model", "containers", "task", "mip", "fleet"},

@@ -32,8 +32,8 @@ struct Options {
   BellmanFordOptions bellman_ford{};
   /// The upper bound on what is left that orasp-search, a-star, beam and q-learning use.
   BoundKind bound = BoundKind::Best;
-  /// Whether value-iteration, dijkstra, bellman-ford and a-star take states that differ by an
-  /// exchange of equal parts for one.
+  /// Whether value-iteration, dijkstra, bellman-ford, a-star and beam take states that differ by
+  /// an exchange of equal parts for one.
   SymmetryUse symmetry = SymmetryUse::Auto;
   /// How dqn trains; its seed is `seed`.
   DqnOptions dqn{};

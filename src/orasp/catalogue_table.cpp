@@ -95,7 +95,9 @@ Reason bound_and_symmetry_needed(const Request& request) {
 /// Beam goes on without a bound where it was not asked for a certain one.
 Reason bound_asked_for(const Request& request) {
   const bool wide = request.system->wide();
-  return request.options.bound == BoundKind::Best && !wide ? std::nullopt : bound_needed(request);
+  if (request.options.bound != BoundKind::Best || wide) return bound_and_symmetry_needed(request);
+  if (settled_at_sight(request)) return std::nullopt;
+  return symmetry_obstacle(*request.system, request.options.symmetry);
 }
 
 Reason pieces_needed(const Request& request) {
@@ -200,7 +202,9 @@ Result run_a_star(const Request& request) {
 }
 
 Result run_beam(const Request& request) {
-  return beam(*request.system, {.bound = request.options.bound}, request.budget);
+  return beam(*request.system,
+              {.bound = request.options.bound, .symmetry = request.options.symmetry},
+              request.budget);
 }
 
 Result run_and_or(const Request& request) {
@@ -292,7 +296,7 @@ constexpr std::array kPlanners = {
             .exact = true,
             .obstacle = bound_asked_for,
             .run = run_beam,
-            .options = bound_options},
+            .options = search_options},
     Planner{.name = "and-or",
             .summary = "piece by piece: AND/OR search over connected sets of parts",
             .bounds = true,

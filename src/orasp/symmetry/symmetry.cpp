@@ -78,7 +78,8 @@ Symmetry::Symmetry(const TransitionSystem& system) {
     obstacle_ = "finds no symmetry in a problem that states so much";
     return;
   }
-  form_ = OrbitForm(connections, on_connections(all, parts, connections));
+  generators_ = on_connections(all, parts, connections);
+  form_ = OrbitForm(connections, generators_);
 }
 
 double Symmetry::order() const {

@@ -37,6 +37,8 @@ class Symmetry {
   /// Whether no exchange is used: there is none, or nothing is known.
   [[nodiscard]] bool trivial() const { return form_.trivial(); }
   [[nodiscard]] const OrbitForm& form() const { return form_; }
+  /// Exchanges of connections of which all others are made, more perhaps than are used.
+  [[nodiscard]] const std::vector<Permutation>& generators() const { return generators_; }
   /// How many exchanges are used: at most so many times fewer states are there. As a number that
   /// may be rounded.
   [[nodiscard]] double order() const;
@@ -45,6 +47,7 @@ class Symmetry {
 
  private:
   std::optional<std::string> obstacle_;
+  std::vector<Permutation> generators_;
   OrbitForm form_;
 };
 
