@@ -229,10 +229,11 @@ class Maker {
         sum.terms.push_back({static_cast<double>(below(5)) - 2, plain()});
       spec_.objective = {"sum", sum};
     } else {
-      constexpr std::array<const char*, 4> kFormulas = {
+      constexpr std::array<const char*, 6> kFormulas = {
           "-duration*before", "moved_parts*kept_parts - 0.5*subassemblies*duration",
           "separates*(before - 3) + completes*moved_parts",
-          "duration/(1 + after) - separates*moved_parts*moved_parts"};
+          "duration/(1 + after) - separates*moved_parts*moved_parts",
+          "0 - index*before", "moved_mass - kept_mass*duration"};
       spec_.objective = {"expression", Expression{.formula = kFormulas[below(kFormulas.size())],
                                                   .constants = {},
                                                   .depot = {},

@@ -90,7 +90,7 @@ double Symmetry::order() const {
 
 std::string Symmetry::text() const {
   if (trivial()) return {};
-  constexpr double kExact = 1e15;
+  constexpr double kExact = 9e15;  // whole numbers are exact
   const double all = order();
   std::string number;
   if (all < kExact) {
