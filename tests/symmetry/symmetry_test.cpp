@@ -150,6 +150,49 @@ TEST(OrbitForm, RingsAndGridsTakeTheLeastImage) {
   expect_forms({turn}, 8, true);
 }
 
+// What is in a table whose rows and columns may each be put in any order.
+TEST(OrbitForm, TablesAreSortedByColumnsForEachOrderOfRows) {
+  const auto table = [](std::uint32_t rows, std::uint32_t columns, bool heads) {
+    std::vector<Permutation> generators;
+    const std::uint32_t points = rows * columns + (heads ? columns : 0);
+    const auto at = [&](std::uint32_t r, std::uint32_t c) { return r * columns + c; };
+    for (std::uint32_t r = 0; r + 1 < rows; ++r) {
+      std::vector<std::uint32_t> one;
+      std::vector<std::uint32_t> other;
+      for (std::uint32_t c = 0; c < columns; ++c) {
+        one.push_back(at(r, c));
+        other.push_back(at(r + 1, c));
+      }
+      generators.push_back(exchange(points, one, other));
+    }
+    for (std::uint32_t c = 0; c + 1 < columns; ++c) {
+      std::vector<std::uint32_t> one;
+      std::vector<std::uint32_t> other;
+      for (std::uint32_t r = 0; r < rows + (heads ? 1 : 0); ++r) {
+        one.push_back(at(r, c));
+        other.push_back(at(r, c + 1));
+      }
+      generators.push_back(exchange(points, one, other));
+    }
+    return generators;
+  };
+  expect_forms(table(3, 3, false), 9, true);
+  expect_forms(table(2, 4, true), 12, true);
+  expect_forms(table(3, 3, true), 12, true);
+  // Two such tables that may be exchanged.
+  std::vector<Permutation> two;
+  std::vector<std::uint32_t> one(6);
+  std::vector<std::uint32_t> other(6);
+  std::iota(one.begin(), one.end(), 0U);
+  std::iota(other.begin(), other.end(), 6U);
+  for (Permutation g : table(2, 3, false)) {
+    for (std::uint32_t p = 6; p < 12; ++p) g.push_back(p);
+    two.push_back(g);
+  }
+  two.push_back(exchange(12, one, other));
+  expect_forms(two, 12, true);
+}
+
 TEST(OrbitForm, OfALargeGroupOfAnotherKindAPartIsUsed) {
   // All permutations of seven things, acting on pairs of them: 5,040 elements.
   std::vector<std::array<std::uint32_t, 2>> pairs;

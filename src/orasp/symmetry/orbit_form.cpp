@@ -16,6 +16,9 @@ using Points = std::vector<std::uint32_t>;
 
 /// How many elements of a group are listed, and how many of their entries.
 constexpr std::size_t kMostElements = 1024;
+/// So few are listed whatever else could be done; so many to count the orbits of a group.
+constexpr std::size_t kFewElements = 16;
+constexpr std::size_t kCountedElements = 5040;
 constexpr std::size_t kMostEntries = std::size_t{1} << 19;
 /// How many generators are tried one by one where all together are not recognised.
 constexpr std::size_t kMostTried = 256;
@@ -127,7 +130,84 @@ class OrbitForm::Recogniser {
 
   std::optional<Plan> family_plan(const std::vector<Permutation>& family) {
     if (auto plan = blocks_plan(family)) return plan;
-    return elements_plan(family);
+    if (auto plan = elements_plan(family, kFewElements)) return plan;
+    if (auto plan = product_plan(family)) return plan;
+    return elements_plan(family, kMostElements);
+  }
+
+  // Generators in two kinds that commute with each other: the group is all products of an element
+  // of the one and an element of the other. One must be sorting, the other is listed. Sorting what
+  // an element made of a set and taking the least is a form: another set of the orbit differs by
+  // one of the listed ones, after which the same images are compared, and by sorting.
+  std::optional<Plan> product_plan(const std::vector<Permutation>& family) {
+    const auto commute = [](const Permutation& g, const Permutation& h) {
+      for (std::size_t p = 0; p < g.size(); ++p) {
+        if (g[h[p]] != h[g[p]]) return false;
+      }
+      return true;
+    };
+    if (family.size() > kMostTried) return std::nullopt;
+    UnionFind kinds(family.size());
+    for (std::uint32_t i = 0; i < family.size(); ++i) {
+      for (std::uint32_t k = 0; k < i; ++k) {
+        if (!commute(family[i], family[k])) kinds.join(i, k);
+      }
+    }
+    std::optional<Plan> best;
+    for (std::uint32_t kind = 0; kind < family.size(); ++kind) {
+      if (kinds.find(kind) != kind) continue;
+      std::vector<Permutation> sorting;
+      std::vector<Permutation> listed;
+      for (std::uint32_t i = 0; i < family.size(); ++i)
+        (kinds.find(i) == kind ? sorting : listed).push_back(family[i]);
+      if (listed.empty()) return std::nullopt;
+      auto sorted = blocks_plan(sorting);
+      auto elements = elements_plan(listed, kMostElements);
+      if (!sorted || !elements) continue;
+      Step& least = elements->steps.front();
+      if (best && best->steps.front().count <= least.count) continue;
+      // All points belong to the step, those that are sorted alone too.
+      std::set<std::uint16_t> more;
+      for (const Step& step : sorted->steps) more.insert(step.points.begin(), step.points.end());
+      for (const std::uint16_t p : least.points) more.erase(p);
+      extend(least, {more.begin(), more.end()});
+      Plan plan;
+      plan.moved = least.points.size();
+      plan.order = sorted->order;
+      plan.order.insert(plan.order.end(), elements->order.begin(), elements->order.end());
+      const double all = static_cast<double>(plan.moved) * std::log(2);
+      const auto both = elements_plan(family, kCountedElements);
+      plan.log_orbits = both ? both->log_orbits + all - static_cast<double>(both->moved) * std::log(2)
+                             : all + sorted->log_orbits -
+                                   static_cast<double>(sorted->moved) * std::log(2) -
+                                   std::log(static_cast<double>(least.count));
+      least.then = std::move(sorted->steps);
+      plan.steps.push_back(std::move(least));
+      best = std::move(plan);
+    }
+    return best;
+  }
+
+  // Lets a listed group act on more points, which it does not move.
+  static void extend(Step& step, const std::vector<std::uint16_t>& more) {
+    const std::size_t length = step.points.size();
+    std::vector<std::uint16_t> elements;
+    for (std::size_t e = 0; e < step.count; ++e) {
+      const auto begin = step.elements.begin() + static_cast<std::ptrdiff_t>(e * length);
+      elements.insert(elements.end(), begin, begin + static_cast<std::ptrdiff_t>(length));
+      for (std::size_t i = 0; i < more.size(); ++i)
+        elements.push_back(static_cast<std::uint16_t>(length + i));
+    }
+    step.elements = std::move(elements);
+    step.points.insert(step.points.end(), more.begin(), more.end());
+  }
+
+  static void move_points(std::vector<Step>& steps, const Points& block,
+                          const std::vector<std::uint32_t>& place_of) {
+    for (Step& step : steps) {
+      for (std::uint16_t& p : step.points) p = static_cast<std::uint16_t>(block[place_of[p]]);
+      move_points(step.then, block, place_of);
+    }
   }
 
   // The blocks that the generators with the largest supports exchange: in each the points in the
@@ -260,9 +340,7 @@ class OrbitForm::Recogniser {
       log_states += first->log_orbits - static_cast<double>(first->moved) * std::log(2);
       for (const Points& block : *blocks) {
         Plan copy = *first;
-        for (Step& step : copy.steps) {
-          for (std::uint16_t& p : step.points) p = static_cast<std::uint16_t>(block[place_of[p]]);
-        }
+        move_points(copy.steps, block, place_of);
         append(plan, std::move(copy));
       }
     }
@@ -287,7 +365,8 @@ class OrbitForm::Recogniser {
     return std::lgamma(kinds + k) - std::lgamma(k + 1) - std::lgamma(kinds);
   }
 
-  std::optional<Plan> elements_plan(const std::vector<Permutation>& family) const {
+  std::optional<Plan> elements_plan(const std::vector<Permutation>& family,
+                                    std::size_t most) const {
     std::set<std::uint32_t> moved;
     for (const Permutation& g : family) {
       for (const std::uint32_t p : support(g)) moved.insert(p);
@@ -315,7 +394,7 @@ class OrbitForm::Recogniser {
         for (std::size_t p = 0; p < next.size(); ++p) next[p] = step[all[i][p]];
         if (!known.insert(next).second) continue;
         all.push_back(std::move(next));
-        if (all.size() > kMostElements || all.size() * least.points.size() > kMostEntries)
+        if (all.size() > most || all.size() * least.points.size() > kMostEntries)
           return std::nullopt;
       }
     }
@@ -369,7 +448,11 @@ void OrbitForm::canonical_but_for(std::size_t point, std::span<std::uint64_t> wo
 
 void OrbitForm::apply(const Step& step, std::span<std::uint64_t> words) {
   if (!step.sorts) {
-    take_least(step, words);
+    if (step.then.empty()) {
+      take_least(step, words);
+    } else {
+      take_least_sorted(step, words);
+    }
     return;
   }
   const std::size_t length = step.points.size() / step.count;
@@ -420,6 +503,28 @@ void OrbitForm::sort_long_blocks(const Step& step, std::span<std::uint64_t> word
     for (std::size_t i = 0; i < length; ++i)
       set_bit(words, step.points[b * length + i], bit(long_patterns_[b], i));
   }
+}
+
+void OrbitForm::take_least_sorted(const Step& step, std::span<std::uint64_t> words) {
+  const std::size_t length = step.points.size();
+  // What is sorted inside uses bits_ as well where it lists elements.
+  std::vector<unsigned char> bits = std::move(bits_);
+  bits.resize(length);
+  for (std::size_t i = 0; i < length; ++i) bits[i] = bit(words, step.points[i]) ? 1 : 0;
+  std::vector<std::uint64_t> image = std::move(image_);
+  std::vector<std::uint64_t> least = std::move(least_);
+  least.clear();
+  image.assign(words.begin(), words.end());
+  for (std::size_t e = 0; e < step.count; ++e) {
+    const std::uint16_t* const element = step.elements.data() + e * length;
+    for (std::size_t i = 0; i < length; ++i) set_bit(image, step.points[i], bits[element[i]] != 0);
+    for (const Step& inner : step.then) apply(inner, image);
+    if (least.empty() || image < least) least = image;
+  }
+  std::ranges::copy(least, words.begin());
+  bits_ = std::move(bits);
+  image_ = std::move(image);
+  least_ = std::move(least);
 }
 
 // Images are compared bit by bit, and most differ after a few.
