@@ -64,8 +64,7 @@ Reason values_needed(const Request& request) {
   const SymmetryUse symmetry = request.options.symmetry;
   if (request.task.problem.uncertain()) return symmetry_obstacle(system, symmetry);
   if (settled_at_sight(request)) return std::nullopt;
-  auto without =
-      value_iteration_obstacle(system, request.options.value_iteration, request.budget);
+  auto without = value_iteration_obstacle(system, request.options.value_iteration, request.budget);
   if (sweeps_are_whole(request.options.value_iteration))
     return symmetric_graph_obstacle(system, symmetry, least_symmetry_for_values(request),
                                     request.budget, std::move(without));
@@ -180,11 +179,11 @@ Result run_dijkstra(const Request& request) {
 }
 
 Result run_bellman_ford(const Request& request) {
-  auto result = on_symmetric_graph(
-      *request.system, request.options.symmetry, kLeastSymmetryForGraph, request.budget,
-      "bellman-ford", [&](const StateGraph& graph) {
-        return bellman_ford(graph, {.keep_values = false}, request.budget);
-      });
+  auto result =
+      on_symmetric_graph(*request.system, request.options.symmetry, kLeastSymmetryForGraph,
+                         request.budget, "bellman-ford", [&](const StateGraph& graph) {
+                           return bellman_ford(graph, {.keep_values = false}, request.budget);
+                         });
   if (result) return *std::move(result);
   return bellman_ford(*request.system, request.options.bellman_ford, request.budget);
 }

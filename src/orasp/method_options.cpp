@@ -66,11 +66,9 @@ constexpr std::array kSweepOptions = {
 
 constexpr OptionSpec kBound{
     "bound", "BOUND",
-    ChoiceOption{kBoundNames,
-                 [](const Options& options) { return static_cast<std::size_t>(options.bound); },
-                 [](Options& options, std::size_t place) {
-                   options.bound = static_cast<BoundKind>(place);
-                 }},
+    ChoiceOption{
+        kBoundNames, [](const Options& options) { return static_cast<std::size_t>(options.bound); },
+        [](Options& options, std::size_t place) { options.bound = static_cast<BoundKind>(place); }},
     "The upper bound on what is left: {}", "{}; none is the paper's"};
 
 constexpr std::array kBoundOptions = {kBound};

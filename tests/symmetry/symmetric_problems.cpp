@@ -34,7 +34,9 @@ class Maker {
   }
 
  private:
-  [[nodiscard]] std::size_t below(std::size_t n) { return static_cast<std::size_t>(random_.below(n)); }
+  [[nodiscard]] std::size_t below(std::size_t n) {
+    return static_cast<std::size_t>(random_.below(n));
+  }
   [[nodiscard]] std::size_t between(std::size_t least, std::size_t most) {
     return least + below(most - least + 1);
   }
@@ -84,8 +86,9 @@ class Maker {
         const std::string c = connect(middle, leaf, kind == 0 ? 1 : 3);
         if (kind == 0) first.push_back(c);
         if (kind == 1) kinds.push_back(c);
-        if (blocked) block(leaf, middle, kind == 0 ? std::vector<std::string>{"+x"}
-                                                   : std::vector<std::string>{"-y", "+y"});
+        if (blocked)
+          block(leaf, middle,
+                kind == 0 ? std::vector<std::string>{"+x"} : std::vector<std::string>{"-y", "+y"});
       }
     }
     if (chance(0.5) && !kinds.empty()) {
@@ -230,10 +233,12 @@ class Maker {
       spec_.objective = {"sum", sum};
     } else {
       constexpr std::array<const char*, 6> kFormulas = {
-          "-duration*before", "moved_parts*kept_parts - 0.5*subassemblies*duration",
+          "-duration*before",
+          "moved_parts*kept_parts - 0.5*subassemblies*duration",
           "separates*(before - 3) + completes*moved_parts",
           "duration/(1 + after) - separates*moved_parts*moved_parts",
-          "0 - index*before", "moved_mass - kept_mass*duration"};
+          "0 - index*before",
+          "moved_mass - kept_mass*duration"};
       spec_.objective = {"expression", Expression{.formula = kFormulas[below(kFormulas.size())],
                                                   .constants = {},
                                                   .depot = {},

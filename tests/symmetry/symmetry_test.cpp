@@ -132,9 +132,9 @@ TEST(OrbitForm, EqualBlocksAreSorted) {
 
 TEST(OrbitForm, BlocksOfEqualPointsAreSortedInside) {
   // Three blocks of three, in each of which two points are equal.
-  expect_forms({exchange(9, {0, 1, 2}, {3, 4, 5}), exchange(9, {3, 4, 5}, {6, 7, 8}),
-                exchange(9, {4}, {5})},
-               9, true);
+  expect_forms(
+      {exchange(9, {0, 1, 2}, {3, 4, 5}), exchange(9, {3, 4, 5}, {6, 7, 8}), exchange(9, {4}, {5})},
+      9, true);
   // Two blocks, one exchange alone.
   expect_forms({exchange(8, {0, 1, 2, 3}, {4, 5, 6, 7}), exchange(8, {1}, {2})}, 8, true);
 }
@@ -481,8 +481,7 @@ TEST(Symmetry, SequencesUpToSymmetryAreThoseOfBruteForce) {
     if (!factors) continue;
     std::uint64_t order = 1;
     for (const std::uint32_t factor : *factors) order *= factor;
-    const std::set<Permutation> group =
-        closure(symmetry.generators(), problem.num_connections());
+    const std::set<Permutation> group = closure(symmetry.generators(), problem.num_connections());
     EXPECT_EQ(order, group.size());
     // All sequences, and those of them that come first among their images.
     const oracle::World world(spec);

@@ -132,8 +132,8 @@ class AStarSearch {
     const double reward = reward_[from.state];
     const auto legal = expander_.legal_actions(state.view());
     rests_.resize(legal.size());
-    const double here = form_ ? bound_(state.view())
-                              : static_cast<double>(from.promise) * tick_ - reward;
+    const double here =
+        form_ ? bound_(state.view()) : static_cast<double>(from.promise) * tick_ - reward;
     bound_.of_successors(state.view(), here, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i) {
       // A state may have thousands of successors of thousands of bits each.
@@ -239,9 +239,9 @@ Result searched(const TransitionSystem& system, const AStarOptions& options, con
     throw Refusal("a-star", *reason);
   Result result;
   result.method = "a-star";
-  const std::optional<Symmetry> symmetry =
-      system.words() == 1 ? search<1>(system, options, *bound, budget, result)
-                          : search<0>(system, options, *bound, budget, result);
+  const std::optional<Symmetry> symmetry = system.words() == 1
+                                               ? search<1>(system, options, *bound, budget, result)
+                                               : search<0>(system, options, *bound, budget, result);
   if (result.stop != Stop::None) {
     const std::optional<double> most = result.bound;
     result = detail::stopped_with_quick_plan(system, "a-star", result.stop, result.statistics);

@@ -35,8 +35,8 @@ struct AStarOptions {
 ///             that led there (6 with symmetry); 16 an open entry.
 /// Limit.      Memory, by budget.max_bytes.
 /// Repeatable. No random numbers; one thread.
-/// @throws InputError where the bound knows nothing about the problem, or where symmetry is asked for
-/// and nothing is known of it.
+/// @throws InputError where the bound knows nothing about the problem, or where symmetry is asked
+/// for and nothing is known of it.
 [[nodiscard]] Result a_star(const TransitionSystem& system, const AStarOptions& options,
                             const Budget& budget);
 

@@ -83,8 +83,8 @@ class BeamSearch {
   void look_for_symmetry() {
     const bool automatic = symmetry_use_ == SymmetryUse::Auto;
     if (symmetry_use_ == SymmetryUse::Off) return;
-    if (automatic && (workers_.front().in_front != nullptr ||
-                      result_.statistics.expanded < kBeforeBeamSymmetry))
+    if (automatic &&
+        (workers_.front().in_front != nullptr || result_.statistics.expanded < kBeforeBeamSymmetry))
       return;
     symmetry_ = symmetry_for(system_, symmetry_use_, "beam");
     symmetry_use_ = SymmetryUse::Off;  // known once and for all

@@ -21,8 +21,8 @@ namespace orasp {
 ///             is Optimal. Result::values is empty, since the states of that graph are not those of
 ///             H.
 /// Cost.       An expansion and a form for each state that is held, on one thread.
-/// @returns nothing where symmetry is not used: it is off, there is none, or, with Auto, H is small,
-/// not `least` times smaller up to symmetry, or not thought to fit even so.
+/// @returns nothing where symmetry is not used: it is off, there is none, or, with Auto, H is
+/// small, not `least` times smaller up to symmetry, or not thought to fit even so.
 /// @throws Refusal of `method` where it was asked for and nothing is known of it.
 [[nodiscard]] std::optional<Result> on_symmetric_graph(
     const TransitionSystem& system, SymmetryUse use, double least, const Budget& budget,

@@ -12,7 +12,7 @@ namespace orasp {
 
 /// A graph whose vertices have colours. Edges have no direction.
 struct ColouredGraph {
-  std::vector<std::uint32_t> colours;                ///< by vertex
+  std::vector<std::uint32_t> colours;                 ///< by vertex
   std::vector<std::array<std::uint32_t, 2>> edges{};  ///< each once
 
   [[nodiscard]] std::size_t size() const { return colours.size(); }

@@ -63,8 +63,8 @@ class NautyFinder : public AutomorphismFinder {
     std::ranges::stable_sort(in_order, {}, [&](int v) { return graph.colours[std::size_t(v)]; });
     std::vector<int> goes_on(size, 0);
     for (std::size_t i = 0; i + 1 < size; ++i)
-      goes_on[i] = graph.colours[std::size_t(in_order[i])] ==
-                   graph.colours[std::size_t(in_order[i + 1])];
+      goes_on[i] =
+          graph.colours[std::size_t(in_order[i])] == graph.colours[std::size_t(in_order[i + 1])];
     std::vector<int> orbits(size);
     DEFAULTOPTIONS_SPARSEGRAPH(options);
     options.defaultptn = FALSE;

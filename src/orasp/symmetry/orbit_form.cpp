@@ -177,10 +177,10 @@ class OrbitForm::Recogniser {
       plan.order.insert(plan.order.end(), elements->order.begin(), elements->order.end());
       const double all = static_cast<double>(plan.moved) * std::log(2);
       const auto both = elements_plan(family, kCountedElements);
-      plan.log_orbits = both ? both->log_orbits + all - static_cast<double>(both->moved) * std::log(2)
-                             : all + sorted->log_orbits -
-                                   static_cast<double>(sorted->moved) * std::log(2) -
-                                   std::log(static_cast<double>(least.count));
+      plan.log_orbits =
+          both ? both->log_orbits + all - static_cast<double>(both->moved) * std::log(2)
+               : all + sorted->log_orbits - static_cast<double>(sorted->moved) * std::log(2) -
+                     std::log(static_cast<double>(least.count));
       least.then = std::move(sorted->steps);
       plan.steps.push_back(std::move(least));
       best = std::move(plan);
@@ -284,8 +284,7 @@ class OrbitForm::Recogniser {
     for (const Permutation& g : family) most = std::max(most, support(g).size());
     std::vector<const Permutation*> outer;
     std::vector<const Permutation*> inner;
-    for (const Permutation& g : family)
-      (support(g).size() == most ? outer : inner).push_back(&g);
+    for (const Permutation& g : family) (support(g).size() == most ? outer : inner).push_back(&g);
     const auto blocks = blocks_of(outer, inner);
     if (!blocks) return std::nullopt;
 

@@ -51,8 +51,8 @@ class OrbitForm {
  private:
   /// Either `count` blocks that are sorted, whose points stand block by block in `points`, or
   /// `count` permutations, of places in `points`, that stand one after another in `elements`, the
-  /// one that moves nothing first. After each of these `then` is done, if there is something, before
-  /// images are compared.
+  /// one that moves nothing first. After each of these `then` is done, if there is something,
+  /// before images are compared.
   struct Step {
     bool sorts = true;
     std::size_t count = 0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -43,7 +44,7 @@ class Key {
 /// Of formulas: what a symmetry leaves as it is, whatever rounding does. Masses of pieces are sums
 /// in some order, `index` and `distance` see what is no colour.
 constexpr std::array<std::string_view, 8> kSafeVariables = {
-    "before",     "after",       "separates",     "completes",
+    "before",      "after",      "separates",     "completes",
     "moved_parts", "kept_parts", "subassemblies", "duration"};
 
 /// Judges an objective, and adds to the colour of each connection what it alone sees of it.
@@ -117,8 +118,7 @@ class ObjectiveJudge {
       return "finds no symmetry where the formula looks at '" + std::string(name) + "'";
     };
     for (const FormulaVariable& variable : kFormulaVariables) {
-      const bool safe =
-          std::ranges::find(kSafeVariables, variable.name) != kSafeVariables.end();
+      const bool safe = std::ranges::find(kSafeVariables, variable.name) != kSafeVariables.end();
       if (!safe && formula->uses(variable.name)) return against(variable.name);
     }
     for (std::size_t i = 0; i < own.size(); ++i) {
@@ -254,9 +254,10 @@ class Builder {
   // file does not matter.
   void add_blocking() {
     const auto directions = [&](const Blocker& blocker, bool turned) {
-      std::string text(turned ? "" : "");
+      std::string text;
       for (const DirectionIndex d : problem_.directions())
-        text += problem_.blocks(blocker, turned ? opposite(std::size_t{d}) : std::size_t{d}) ? '1' : '0';
+        text += problem_.blocks(blocker, turned ? opposite(std::size_t{d}) : std::size_t{d}) ? '1'
+                                                                                             : '0';
       return text;
     };
     for (PartIndex part = 0; part < problem_.num_parts(); ++part) {

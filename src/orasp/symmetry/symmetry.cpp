@@ -153,13 +153,14 @@ std::vector<ConnectionIndex> true_sequence(const TransitionSystem& system, Orbit
   std::vector<ConnectionIndex> result;
   const std::size_t words = system.words();
   const auto without = [words](SetView state, ConnectionIndex c) {
-    std::vector<std::uint64_t> next(state.begin(), state.begin() + static_cast<std::ptrdiff_t>(words));
+    std::vector<std::uint64_t> next(state.begin(),
+                                    state.begin() + static_cast<std::ptrdiff_t>(words));
     next[c / 64] &= ~(std::uint64_t{1} << (c % 64));
     return next;
   };
   const SetView start = system.start_state();
-  std::vector<std::uint64_t> here(start.begin(), start.end());   // where the plan is
-  std::vector<std::uint64_t> stands = here;                      // what stands for it
+  std::vector<std::uint64_t> here(start.begin(), start.end());  // where the plan is
+  std::vector<std::uint64_t> stands = here;                     // what stands for it
   for (const ConnectionIndex c : sequence) {
     // What the step earns in the state in which it was made, and where it leads.
     double earned = -kInfinity;
@@ -181,7 +182,8 @@ std::vector<ConnectionIndex> true_sequence(const TransitionSystem& system, Orbit
       best = action.connection;
     }
     if (!best || least > kRewardTolerance * std::max(1.0, std::abs(earned)))
-      throw std::logic_error("symmetry: no step of the plan is that of the state that stands for it");
+      throw std::logic_error(
+          "symmetry: no step of the plan is that of the state that stands for it");
     result.push_back(*best);
     here = without(here, *best);
   }
