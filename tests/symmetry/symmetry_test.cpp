@@ -602,5 +602,35 @@ TEST(Symmetry, LargerProblemsUseItByThemselves) {
   }
 }
 
+// 70 equal parts: 2^70 states in two words, and 71 up to symmetry.
+TEST(Symmetry, WhatIsTooLargeForHMayFitUpToSymmetry) {
+  if (!has_nauty()) GTEST_SKIP() << "built without nauty";
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+    ProblemSpec spec = star(70);
+    spec.direction = direction;
+    const Problem problem(spec);
+    // One by one; the step that costs nothing but completes is the smallest or the largest.
+    const double best =
+        direction == Direction::Disassembly
+            ? 1 - (67 * 0.0967 + (0.0967 + 0.1368) + (0.0967 + 0.1248))
+            : 1 - (66 * 0.0967 + (0.0967 + 0.1368) + (0.0967 + 0.1248) + (0.0967 + 0.0967));
+    for (const char* const method : {"value-iteration", "dijkstra", "bellman-ford"}) {
+      EXPECT_TRUE(obstacle(problem, method, with(SymmetryUse::Off)).has_value());
+      EXPECT_FALSE(obstacle(problem, method).has_value());
+      const Result result = solve(problem, method);
+      EXPECT_EQ(result.statistics.states, 71U);
+      EXPECT_EQ(result.status, Status::Optimal);
+      EXPECT_NEAR(result.reward, best, 1e-9);
+    }
+    Options options = with(SymmetryUse::On);
+    options.bound = BoundKind::None;
+    const Result found = solve(problem, "a-star", options);
+    EXPECT_EQ(found.status, Status::Optimal);
+    EXPECT_LE(found.statistics.expanded, 71U);
+    EXPECT_NEAR(found.reward, best, 1e-9);
+    EXPECT_NEAR(solve(problem, "beam", options).reward, best, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace orasp
