@@ -564,6 +564,10 @@ TEST(Symmetry, WhatTellsPartsApartCounts) {
   EXPECT_EQ(order_of(spec), 4);  // the two facts say the same, one of each nut
   spec.blocking->blocked[1].directions = {"+x"};
   EXPECT_EQ(order_of(spec), 2);
+  spec.blocking->directions = {"+x", "-x", "+y", "-y"};
+  spec.blocking->blocked = {{"nut 0", "plate", {"+x", "-x", "+y"}, {}},
+                            {"nut 1", "plate", {"+x", "+y", "-y"}, {}}};
+  EXPECT_EQ(order_of(spec), 2);
   spec = star(4);
   spec.parts[2].position = Vector3{1, 2, 3};
   spec.parts[2].name = "the second one";
