@@ -1,6 +1,6 @@
 # A module is a shared object of this project that is opened when it is first needed, since the library behind it takes long
 # to load or may be missing (src/orasp/containers/module_loader.h).
-set(orasp_modules orasp_torch orasp_cbc orasp_occt orasp_assimp)
+set(orasp_modules orasp_torch orasp_cbc orasp_occt orasp_assimp orasp_nauty)
 
 # find_module(NAME PACKAGE): sets ORASP_NAME to ON or OFF, as ORASP_WITH_NAME asks: ON, OFF, or AUTO for where it is found.
 macro(find_module name package)

@@ -20,10 +20,11 @@ LAYERS = {
     "containers": {"containers"},
     "task": {"model", "task"},
     "bounds": {"model", "bounds"},
-    "graph": {"model", "containers", "task", "bounds", "graph"},
-    "planners": {"model", "containers", "task", "bounds", "graph", "planners"},
+    "symmetry": {"model", "containers", "symmetry"},
+    "graph": {"model", "containers", "task", "bounds", "symmetry", "graph"},
+    "planners": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners"},
     "mip": {"model", "containers", "task", "planners", "mip"},
-    "explain": {"model", "containers", "task", "bounds", "graph", "planners", "explain"},
+    "explain": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners", "explain"},
     "execution": {"model", "task", "graph", "planners", "execution"},
     "learning": {"model", "containers", "task", "bounds", "planners", "learning"},
     "fleet": {"model", "containers", "task", "mip", "fleet"},
@@ -31,11 +32,11 @@ LAYERS = {
     "io": {"model", "task", "certificate", "mip", "explain", "learning", "fleet", "geometry", "io"},
     "drawing": {"model", "task", "graph", "io", "drawing"},
     "report": {"model", "task", "bounds", "graph", "planners", "explain", "fleet", "io", "report"},
-    "catalogue": {"model", "task", "planners", "mip", "execution", "learning", "fleet", "catalogue", "method_options"},
-    "catalogue_table": {"model", "task", "bounds", "graph", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
+    "catalogue": {"model", "task", "symmetry", "planners", "mip", "execution", "learning", "fleet", "catalogue", "method_options"},
+    "catalogue_table": {"model", "task", "bounds", "symmetry", "graph", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
     # What a row of the catalogue says of its options; the two make one.
-    "method_options": {"model", "bounds", "catalogue", "method_options"},
-    "orasp": {"model", "task", "bounds", "graph", "planners", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
+    "method_options": {"model", "bounds", "symmetry", "catalogue", "method_options"},
+    "orasp": {"model", "task", "bounds", "symmetry", "graph", "planners", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
               "drawing", "certificate", "catalogue", "method_options"},
 }
 # Folders that are not for those who use the library, as are those named detail.
@@ -64,6 +65,7 @@ THIRD_PARTY = {
     **{name: r"src/orasp/mip/mip_solver_cbc\.cpp" for name in (
         "CbcEventHandler.hpp", "CbcModel.hpp", "CbcSolver.hpp", "ClpEventHandler.hpp", "ClpSimplex.hpp",
         "CoinPackedMatrix.hpp", "OsiClpSolverInterface.hpp")},
+    "nauty": r"src/orasp/symmetry/automorphisms_nauty\.cpp",
     "assimp": r"src/orasp/geometry/mesh_reader_assimp\.cpp",
     "CLI": r"cli/options/command_line\.cpp",
     "gtest": r"tests/.*",

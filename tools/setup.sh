@@ -3,7 +3,7 @@
 # Everything said here goes to standard error.
 
 run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev libmuparser-dev libmeshoptimizer-dev libboost-dev libmd-dev
-              libpugixml-dev graphviz gnuplot-nox)
+              libpugixml-dev libnauty2-dev graphviz gnuplot-nox)
 learning_packages=(libtorch-dev libopenblas0-pthread)
 mip_packages=(coinor-libcbc-dev)
 python_packages=(python3-dev pybind11-dev python3-numpy)

@@ -75,7 +75,11 @@ std::string alternatives_text(const Problem& problem, const Alternatives& altern
                               const SolveOptions& options, const Context& context) {
   std::string text;
   if (alternatives.optimal_sequences)
-    text += '\n' + counted(*alternatives.optimal_sequences, "optimal sequence") + '\n';
+    text += '\n' + counted(*alternatives.optimal_sequences, "optimal sequence") +
+            (alternatives.optimal_up_to_symmetry
+                 ? ", " + grouped(*alternatives.optimal_up_to_symmetry) + " up to symmetry"
+                 : "") +
+            '\n';
   if (!alternatives.plans || alternatives.plans->empty()) return text;
   const std::vector<Alternative>& plans = *alternatives.plans;
   std::vector<double> rewards;

@@ -17,6 +17,7 @@
 #include "orasp/planners/a_star.h"
 #include "orasp/planners/bellman_ford.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/symmetry/symmetry.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 #include "orasp/task/task.h"
@@ -31,6 +32,9 @@ struct Options {
   BellmanFordOptions bellman_ford{};
   /// The upper bound on what is left that orasp-search, a-star, beam and q-learning use.
   BoundKind bound = BoundKind::Best;
+  /// Whether value-iteration, dijkstra, bellman-ford, a-star and beam take states that differ by
+  /// an exchange of equal parts for one.
+  SymmetryUse symmetry = SymmetryUse::Auto;
   /// How dqn trains; its seed is `seed`.
   DqnOptions dqn{};
   /// What dqn plans with; empty: it trains a policy first.

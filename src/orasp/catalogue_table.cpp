@@ -14,6 +14,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/beam.h"
+#include "orasp/planners/dense_value_iteration.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/dijkstra.h"
 #include "orasp/planners/exhaustive.h"
@@ -21,6 +22,7 @@
 #include "orasp/planners/orasp_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
+#include "orasp/planners/symmetric_graph.h"
 #include "orasp/planners/uncertain_search.h"
 #include "orasp/planners/uncertain_value_iteration.h"
 
@@ -36,13 +38,37 @@ bool settled_at_sight(const Request& request) {
 
 Reason graph_needed(const Request& request) {
   if (settled_at_sight(request)) return std::nullopt;
-  return graph_obstacle(*request.system, request.budget);
+  return symmetric_graph_obstacle(*request.system, request.options.symmetry, kLeastSymmetryForGraph,
+                                  request.budget, graph_obstacle(*request.system, request.budget));
 }
+
+/// How many times smaller H must be up to symmetry for value iteration to build it so by itself.
+double least_symmetry_for_values(const Request& request) {
+  const TransitionSystem& system = *request.system;
+  const bool by_table = request.options.value_iteration == ValueIterationOptions{} &&
+                        dense_values_safe(system) && dense_table_fits(system, request.budget) &&
+                        (unconstrained(system) || !graph_fits(system, request.budget));
+  return by_table ? kLeastSymmetryForTable : kLeastSymmetryForGraph;
+}
+
+/// Whether sweeps go by layers to their end, so that their plan is final: with symmetry alone.
+bool sweeps_are_whole(const ValueIterationOptions& options) {
+  return options.order == ValueIterationOptions::Order::Layers &&
+         options.max_sweeps == ValueIterationOptions{}.max_sweeps;
+}
+constexpr std::string_view kWholeSweepsNeeded =
+    "uses symmetry where it sweeps by layers and to the end alone";
 
 Reason values_needed(const Request& request) {
   const TransitionSystem& system = *request.system;
-  if (request.task.problem.uncertain() || settled_at_sight(request)) return std::nullopt;
-  return value_iteration_obstacle(system, request.options.value_iteration, request.budget);
+  const SymmetryUse symmetry = request.options.symmetry;
+  if (request.task.problem.uncertain()) return symmetry_obstacle(system, symmetry);
+  if (settled_at_sight(request)) return std::nullopt;
+  auto without = value_iteration_obstacle(system, request.options.value_iteration, request.budget);
+  if (sweeps_are_whole(request.options.value_iteration))
+    return symmetric_graph_obstacle(system, symmetry, least_symmetry_for_values(request),
+                                    request.budget, std::move(without));
+  return symmetry == SymmetryUse::On ? std::string(kWholeSweepsNeeded) : without;
 }
 
 Reason bound_needed_by(const TransitionSystem& system, BoundKind kind) {
@@ -59,10 +85,18 @@ Reason bound_needed(const Request& request) {
              : bound_needed_by(system.backwards(), request.options.bound);
 }
 
+Reason bound_and_symmetry_needed(const Request& request) {
+  if (auto reason = bound_needed(request)) return reason;
+  if (settled_at_sight(request)) return std::nullopt;
+  return symmetry_obstacle(*request.system, request.options.symmetry);
+}
+
 /// Beam goes on without a bound where it was not asked for a certain one.
 Reason bound_asked_for(const Request& request) {
   const bool wide = request.system->wide();
-  return request.options.bound == BoundKind::Best && !wide ? std::nullopt : bound_needed(request);
+  if (request.options.bound != BoundKind::Best || wide) return bound_and_symmetry_needed(request);
+  if (settled_at_sight(request)) return std::nullopt;
+  return symmetry_obstacle(*request.system, request.options.symmetry);
 }
 
 Reason pieces_needed(const Request& request) {
@@ -101,9 +135,22 @@ Reason network_needed(const Request& request) {
 Result run_value_iteration(const Request& request) {
   const TransitionSystem& system = *request.system;
   const ValueIterationOptions& options = request.options.value_iteration;
-  return request.task.problem.uncertain()
-             ? uncertain_value_iteration(system, options, request.budget)
-             : value_iteration(system, options, request.budget);
+  const SymmetryUse symmetry = request.options.symmetry;
+  if (request.task.problem.uncertain()) {
+    if (auto reason = symmetry_obstacle(system, symmetry))
+      throw Refusal("value-iteration", *reason);
+    return uncertain_value_iteration(system, options, request.budget);
+  }
+  if (sweeps_are_whole(options)) {
+    require_valid(options);
+    auto result = on_symmetric_graph(
+        system, symmetry, least_symmetry_for_values(request), request.budget, "value-iteration",
+        [&](const StateGraph& graph) { return value_iteration(graph, options, request.budget); });
+    if (result) return *std::move(result);
+  } else if (symmetry == SymmetryUse::On && !settled_at_sight(request)) {
+    throw Refusal("value-iteration", std::string(kWholeSweepsNeeded));
+  }
+  return value_iteration(system, options, request.budget);
 }
 
 Result run_automatic(const Request& request) {
@@ -124,10 +171,20 @@ Result run_automatic(const Request& request) {
 }
 
 Result run_dijkstra(const Request& request) {
+  auto result = on_symmetric_graph(
+      *request.system, request.options.symmetry, kLeastSymmetryForGraph, request.budget, "dijkstra",
+      [&](const StateGraph& graph) { return dijkstra(graph, request.budget); });
+  if (result) return *std::move(result);
   return dijkstra(*request.system, request.budget);
 }
 
 Result run_bellman_ford(const Request& request) {
+  auto result =
+      on_symmetric_graph(*request.system, request.options.symmetry, kLeastSymmetryForGraph,
+                         request.budget, "bellman-ford", [&](const StateGraph& graph) {
+                           return bellman_ford(graph, {.keep_values = false}, request.budget);
+                         });
+  if (result) return *std::move(result);
   return bellman_ford(*request.system, request.options.bellman_ford, request.budget);
 }
 
@@ -138,11 +195,15 @@ Result run_orasp_search(const Request& request) {
 }
 
 Result run_a_star(const Request& request) {
-  return a_star(*request.system, {.bound = request.options.bound}, request.budget);
+  return a_star(*request.system,
+                {.bound = request.options.bound, .symmetry = request.options.symmetry},
+                request.budget);
 }
 
 Result run_beam(const Request& request) {
-  return beam(*request.system, {.bound = request.options.bound}, request.budget);
+  return beam(*request.system,
+              {.bound = request.options.bound, .symmetry = request.options.symmetry},
+              request.budget);
 }
 
 Result run_and_or(const Request& request) {
@@ -208,12 +269,14 @@ constexpr std::array kPlanners = {
             .summary = "shortest path on H",
             .exact = true,
             .obstacle = graph_needed,
-            .run = run_dijkstra},
+            .run = run_dijkstra,
+            .options = symmetry_options},
     Planner{.name = "bellman-ford",
             .summary = "best reward from the start to every state of H",
             .exact = true,
             .obstacle = graph_needed,
-            .run = run_bellman_ford},
+            .run = run_bellman_ford,
+            .options = symmetry_options},
     Planner{.name = "orasp-search",
             .summary = "the paper's ORASP Search: depth-first branch and bound that generates H as "
                        "it goes",
@@ -224,15 +287,15 @@ constexpr std::array kPlanners = {
     Planner{.name = "a-star",
             .summary = "best first on H, guided by an upper bound on what is left",
             .exact = true,
-            .obstacle = bound_needed,
+            .obstacle = bound_and_symmetry_needed,
             .run = run_a_star,
-            .options = bound_options},
+            .options = search_options},
     Planner{.name = "beam",
             .summary = "complete anytime beam search: a plan at once, better ones as it goes",
             .exact = true,
             .obstacle = bound_asked_for,
             .run = run_beam,
-            .options = bound_options},
+            .options = search_options},
     Planner{.name = "and-or",
             .summary = "piece by piece: AND/OR search over connected sets of parts",
             .bounds = true,

@@ -18,9 +18,22 @@ namespace orasp {
 namespace {
 
 constexpr std::array<std::string_view, 2> kSweepOrders = {"layers", "textbook"};
+constexpr std::array<std::string_view, 3> kSymmetries = {"auto", "on", "off"};
 constexpr std::array<std::string_view, 3> kDevices = {"auto", "cpu", "cuda"};
 
 // The tables. A row is NAME, UNIT, KIND, HELP, OTHERWISE, GROUP; see OptionSpec.
+
+constexpr OptionSpec kSymmetry{
+    "symmetry", "USE",
+    ChoiceOption{kSymmetries,
+                 [](const Options& options) { return static_cast<std::size_t>(options.symmetry); },
+                 [](Options& options, std::size_t place) {
+                   options.symmetry = static_cast<SymmetryUse>(place);
+                 }},
+    "Take states that differ by an exchange of equal parts for one: {}",
+    "{}: where it is worth while"};
+
+constexpr std::array kSymmetryOptions = {kSymmetry};
 
 constexpr std::array kSweepOptions = {
     OptionSpec{"sweep-order", "ORDER",
@@ -48,18 +61,18 @@ constexpr std::array kSweepOptions = {
                  return options.value_iteration.initial_value;
                }},
                "Value of every state to begin with"},
+    kSymmetry,
 };
 
-constexpr std::array kBoundOptions = {
-    OptionSpec{
-        "bound", "BOUND",
-        ChoiceOption{kBoundNames,
-                     [](const Options& options) { return static_cast<std::size_t>(options.bound); },
-                     [](Options& options, std::size_t place) {
-                       options.bound = static_cast<BoundKind>(place);
-                     }},
-        "The upper bound on what is left: {}", "{}; none is the paper's"},
-};
+constexpr OptionSpec kBound{
+    "bound", "BOUND",
+    ChoiceOption{
+        kBoundNames, [](const Options& options) { return static_cast<std::size_t>(options.bound); },
+        [](Options& options, std::size_t place) { options.bound = static_cast<BoundKind>(place); }},
+    "The upper bound on what is left: {}", "{}; none is the paper's"};
+
+constexpr std::array kBoundOptions = {kBound};
+constexpr std::array kSearchOptions = {kBound, kSymmetry};
 
 constexpr std::array kPolicyOptions = {
     OptionSpec{"policy", "FILE", FileOption{}, "Plan with this policy of `orasp train`",
@@ -198,6 +211,12 @@ std::string with(std::string_view text, const std::string& filling) {
 
 std::span<const OptionSpec> no_options() {
   return {};
+}
+std::span<const OptionSpec> symmetry_options() {
+  return kSymmetryOptions;
+}
+std::span<const OptionSpec> search_options() {
+  return kSearchOptions;
 }
 std::span<const OptionSpec> sweep_options() {
   return kSweepOptions;

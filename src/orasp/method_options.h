@@ -70,7 +70,10 @@ struct OptionSpec {
 
 /// The tables. Each belongs to the methods that name it in the catalogue.
 [[nodiscard]] std::span<const OptionSpec> no_options();
+[[nodiscard]] std::span<const OptionSpec> symmetry_options();
+/// Those of sweeps and symmetry; of bounds and symmetry.
 [[nodiscard]] std::span<const OptionSpec> sweep_options();
+[[nodiscard]] std::span<const OptionSpec> search_options();
 [[nodiscard]] std::span<const OptionSpec> bound_options();
 [[nodiscard]] std::span<const OptionSpec> policy_options();
 /// How a policy is trained: the options of `orasp train`.

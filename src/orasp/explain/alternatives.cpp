@@ -10,6 +10,7 @@
 
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/value_iteration.h"
+#include "orasp/symmetry/symmetry.h"
 
 namespace orasp {
 
@@ -165,6 +166,25 @@ Alternatives best_plans(const StateGraph& graph, std::span<const double> values,
   return result;
 }
 
+namespace {
+
+/// No exchange but the one that changes nothing leaves a sequence of all connections as it is, so
+/// each is one of as many as there are exchanges.
+std::optional<std::string> up_to_symmetry(const TransitionSystem& system,
+                                          const std::string& sequences) {
+  const auto order = symmetry_order(system);
+  if (!order || order->empty() || sequences == "0") return std::nullopt;
+  boost::multiprecision::cpp_int left(sequences);
+  for (const std::uint32_t factor : *order) {
+    // Rounding may have told apart what is the same.
+    if (left % factor != 0) return std::nullopt;
+    left /= factor;
+  }
+  return left.str();
+}
+
+}  // namespace
+
 Alternatives find_alternatives(const TransitionSystem& system, bool count, std::uint64_t most,
                                const Budget& budget) {
   Alternatives result;
@@ -179,7 +199,10 @@ Alternatives find_alternatives(const TransitionSystem& system, bool count, std::
   ValueIterationOptions one_sweep;
   one_sweep.max_sweeps = 1;  // exact in layer order
   const Result values = value_iteration(graph, one_sweep, budget);
-  if (count) result.optimal_sequences = count_optimal(graph, values.values);
+  if (count) {
+    result.optimal_sequences = count_optimal(graph, values.values);
+    result.optimal_up_to_symmetry = up_to_symmetry(system, *result.optimal_sequences);
+  }
   if (most > 0) {
     Alternatives best = best_plans(graph, values.values, most, budget);
     result.plans = std::move(best.plans);

@@ -24,6 +24,9 @@ struct Alternative {
 struct Alternatives {
   /// The number of optimal sequences in decimal digits.
   std::optional<std::string> optimal_sequences;
+  /// Of these, the number of those that no exchange of equal parts takes into one another
+  /// (symmetry/symmetry.h); empty where there is nothing to exchange, or nothing is known of it.
+  std::optional<std::string> optimal_up_to_symmetry;
   /// The best plans, the very best first.
   std::optional<std::vector<Alternative>> plans;
   /// What ended the work early, if anything did.

@@ -56,6 +56,7 @@ StateGraph WideGraphBuilder::build(std::uint64_t most_states) {
       actions_of[state] = static_cast<std::uint32_t>(legal.size());
       for (const Action& action : legal) {
         expander.successor(key, action, next);
+        if (form_) form_->canonical_but_for(action.connection, next);
         successors.push_back(meet(next.data()));
         connections.push_back(static_cast<std::uint16_t>(action.connection));
         rewards.push_back(action.reward);
@@ -93,6 +94,10 @@ StateGraph WideGraphBuilder::build(std::uint64_t most_states) {
     }
   }
   graph.layer_begin_.push_back(static_cast<StateId>(order.size()));
+  // Where steps are not wide, layers that no path reaches are none.
+  while (!system_.wide() && graph.num_layers() > 1 &&
+         graph.layer_begin(graph.num_layers() - 1) == graph.num_states())
+    graph.layer_begin_.pop_back();
   graph.goal_reached_ = !open_states[0].empty();
   const bool narrow = system_.num_connections() <= 256;
   graph.row_begin_.push_back(0);

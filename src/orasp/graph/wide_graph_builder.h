@@ -1,10 +1,15 @@
 #pragma once
 
+#include <optional>
+
 #include "orasp/graph/state_graph.h"
+#include "orasp/symmetry/orbit_form.h"
 
 namespace orasp {
 
-/// Builds H where states and steps are wide (TransitionSystem::wide).
+/// Builds H where states and steps are wide (TransitionSystem::wide), and H up to symmetry
+/// (symmetry/symmetry.h), which holds one state for all that are exchanged for one another; actions
+/// then lead to the states that stand for those that they lead to.
 ///
 /// Idea.       A step may handle several connections, and a plan may end early, so there are no
 ///             layers to go through one by one. States are expanded in the order of how many
@@ -19,12 +24,15 @@ class WideGraphBuilder {
  public:
   WideGraphBuilder(const TransitionSystem& system, const Budget& budget)
       : system_(system), budget_(budget) {}
+  WideGraphBuilder(const TransitionSystem& system, const OrbitForm& form, const Budget& budget)
+      : system_(system), budget_(budget), form_(form) {}
   /// `most_states`: gives up beyond so many, with Stop::ExpansionLimit.
   [[nodiscard]] StateGraph build(std::uint64_t most_states = StateGraph::kMostStates);
 
  private:
   const TransitionSystem& system_;
   const Budget& budget_;
+  std::optional<OrbitForm> form_;
 };
 
 }  // namespace orasp

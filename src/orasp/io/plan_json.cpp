@@ -530,6 +530,8 @@ std::string plan_text(const Task& task, const Result& result,
   if (alternatives != nullptr) {
     if (alternatives->optimal_sequences)
       put("optimal_sequences", exact_integer(*alternatives->optimal_sequences));
+    if (alternatives->optimal_up_to_symmetry)
+      put("optimal_up_to_symmetry", exact_integer(*alternatives->optimal_up_to_symmetry));
     if (alternatives->plans)
       put("alternatives", alternatives_text(*alternatives->plans, is_assembly, connection_ids));
   }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "orasp/containers/growing_array.h"
@@ -22,7 +24,8 @@ namespace {
 template <std::size_t kWords>
 class AStarSearch {
  public:
-  AStarSearch(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
+  AStarSearch(const TransitionSystem& system, Bound& bound, const Symmetry* symmetry,
+              const Budget& budget, Result& result)
       : system_(system),
         expander_(system),
         bound_(bound),
@@ -30,15 +33,22 @@ class AStarSearch {
         allowed_(allowed_bytes(budget)),
         result_(result),
         look_(std::clamp<std::uint64_t>(8192 / (1 + system.num_connections()), 1, 256)),
-        table_(system.words()) {}
+        table_(system.words()) {
+    if (symmetry != nullptr) form_ = symmetry->form();
+  }
 
-  void run() {
-    const ConnectionSet start = system_.start();
-    const double all = bound_(start.view());
-    tick_ = kRewardTolerance * std::max(1.0, std::abs(all));
-    meet(start, 0, 0, all, 0);
+  /// Searches to the end, or until so many states were expanded; then it can go on.
+  /// @returns whether it came to its end or was stopped.
+  bool run(std::uint64_t pause) {
+    if (table_.size() == 0) {
+      const ConnectionSet start = system_.start();
+      all_ = bound_(start.view());
+      tick_ = kRewardTolerance * std::max(1.0, std::abs(all_));
+      meet(start.view(), 0, 0, 0, all_, 0);
+    }
     result_.stop = budget_.expired();
     while (!open_.empty() && result_.stop == Stop::None) {
+      if (result_.statistics.expanded >= pause) return false;
       std::ranges::pop_heap(open_.span(), later);
       const Open next = open_.back();
       open_.resize(open_.size() - 1);
@@ -52,9 +62,10 @@ class AStarSearch {
       expand(next);
     }
     if (result_.stop != Stop::None)
-      result_.bound = open_.empty() ? all : static_cast<double>(open_[0].promise + 1) * tick_;
+      result_.bound = open_.empty() ? all_ : static_cast<double>(open_[0].promise + 1) * tick_;
     result_.statistics.states = table_.size();
-    result_.statistics.peak_bytes = bytes();
+    result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
+    return true;
   }
 
  private:
@@ -73,12 +84,13 @@ class AStarSearch {
     return a.state < b.state;
   }
 
-  void meet(const ConnectionSet& state, ConnectionIndex by, double reward, double rest,
+  void meet(SetView state, ConnectionIndex by, std::uint32_t from, double reward, double rest,
             std::uint32_t depth) {
-    const auto [number, is_new] = table_.insert(state.view().data());
+    const auto [number, is_new] = table_.insert(state.data());
     if (is_new) {
       reward_.push_back(reward);
       by_.push_back(static_cast<std::uint16_t>(by));
+      if (form_) from_.push_back(from);
       closed_.push_back(0);
     } else {
       if (reward <= reward_[number] + tick_ / 16) {
@@ -88,6 +100,7 @@ class AStarSearch {
       ++result_.statistics.reopened;
       reward_[number] = reward;
       by_[number] = static_cast<std::uint16_t>(by);
+      if (form_) from_[number] = from;
       closed_[number] = 0;
     }
     open_.push_back(
@@ -102,7 +115,8 @@ class AStarSearch {
       // look may need at most.
       const std::uint64_t more = look_ * system_.num_connections();
       const std::uint64_t soon = bytes() - table_.bytes() + table_.bytes_with(more) +
-                                 more * (sizeof(double) + sizeof(std::uint16_t) + 1 + sizeof(Open));
+                                 more * (sizeof(double) + sizeof(std::uint16_t) + 1 + sizeof(Open) +
+                                         (form_ ? sizeof(std::uint32_t) : 0));
       result_.stop =
           soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
       budget_.report(
@@ -118,7 +132,8 @@ class AStarSearch {
     const double reward = reward_[from.state];
     const auto legal = expander_.legal_actions(state.view());
     rests_.resize(legal.size());
-    const double here = static_cast<double>(from.promise) * tick_ - reward;
+    const double here =
+        form_ ? bound_(state.view()) : static_cast<double>(from.promise) * tick_ - reward;
     bound_.of_successors(state.view(), here, legal, rests_);
     for (std::size_t i = 0; i < legal.size(); ++i) {
       // A state may have thousands of successors of thousands of bits each.
@@ -130,7 +145,13 @@ class AStarSearch {
       }
       const ConnectionIndex c = legal[i].connection;
       state.erase(c);
-      meet(state, c, reward + legal[i].reward, rests_[i], from.depth + 1);
+      SetView met = state.view();
+      if (form_) {
+        stands_.assign(met.begin(), met.end());
+        form_->canonical_but_for(c, stands_);
+        met = stands_;
+      }
+      meet(met, c, from.state, reward + legal[i].reward, rests_[i], from.depth + 1);
       state.insert(c);
     }
   }
@@ -142,16 +163,18 @@ class AStarSearch {
     while (sequence.size() < system_.num_steps()) {
       sequence.push_back(by_[number]);
       state.insert(by_[number]);
-      number = table_.find(state.view().data());
+      number = form_ ? from_[number] : table_.find(state.view().data());
     }
     std::ranges::reverse(sequence);
+    if (form_) sequence = true_sequence(system_, *form_, sequence);
     result_.reward = reward_[goal];
     result_.bound = result_.reward;
     result_.status = Status::Optimal;
   }
 
   [[nodiscard]] std::uint64_t bytes() const {
-    return table_.bytes() + reward_.bytes() + by_.bytes() + closed_.bytes() + open_.bytes();
+    return table_.bytes() + reward_.bytes() + by_.bytes() + from_.bytes() + closed_.bytes() +
+           open_.bytes();
   }
 
   const TransitionSystem& system_;
@@ -162,6 +185,8 @@ class AStarSearch {
   Result& result_;
   /// Promises that differ by less than this are equal.
   double tick_ = 1;
+  /// The bound of the start.
+  double all_ = 0;
   /// How many states are expanded from one look at the budget to the next.
   std::uint64_t look_;
   detail::StateTable<kWords> table_;
@@ -170,9 +195,41 @@ class AStarSearch {
   detail::GrowingArray<double> reward_;
   detail::GrowingArray<std::uint16_t> by_;
   detail::GrowingArray<unsigned char> closed_;
+  /// With symmetry: what brings a state to the one that stands for it, that one, and by state, the
+  /// one before it on its path.
+  std::optional<OrbitForm> form_;
+  std::vector<std::uint64_t> stands_;
+  detail::GrowingArray<std::uint32_t> from_;
   detail::GrowingArray<Open> open_;
   std::vector<double> rests_;
 };
+
+/// With SymmetryUse::Auto so many states are expanded before symmetry is looked for: where fewer
+/// are enough, it would cost more than it saves.
+constexpr std::uint64_t kBeforeSymmetry = 2000;
+
+/// @returns the symmetry that was used.
+template <std::size_t kWords>
+std::optional<Symmetry> search(const TransitionSystem& system, const AStarOptions& options,
+                               Bound& bound, const Budget& budget, Result& result) {
+  std::optional<Symmetry> symmetry;
+  if (options.symmetry != SymmetryUse::On) {
+    AStarSearch<kWords> plain(system, bound, nullptr, budget, result);
+    const bool automatic = options.symmetry == SymmetryUse::Auto;
+    if (plain.run(automatic ? kBeforeSymmetry : std::numeric_limits<std::uint64_t>::max()))
+      return symmetry;
+    symmetry = symmetry_for(system, options.symmetry, "a-star");
+    if (!symmetry) {
+      plain.run(std::numeric_limits<std::uint64_t>::max());
+      return symmetry;
+    }
+  } else {
+    symmetry = symmetry_for(system, options.symmetry, "a-star");
+  }
+  AStarSearch<kWords>(system, bound, symmetry ? &*symmetry : nullptr, budget, result)
+      .run(std::numeric_limits<std::uint64_t>::max());
+  return symmetry;
+}
 
 Result searched(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
   static_assert(kMaxConnections <= std::size_t{1} << 16);
@@ -182,11 +239,9 @@ Result searched(const TransitionSystem& system, const AStarOptions& options, con
     throw Refusal("a-star", *reason);
   Result result;
   result.method = "a-star";
-  if (system.words() == 1) {
-    AStarSearch<1>(system, *bound, budget, result).run();
-  } else {
-    AStarSearch<0>(system, *bound, budget, result).run();
-  }
+  const std::optional<Symmetry> symmetry = system.words() == 1
+                                               ? search<1>(system, options, *bound, budget, result)
+                                               : search<0>(system, options, *bound, budget, result);
   if (result.stop != Stop::None) {
     const std::optional<double> most = result.bound;
     result = detail::stopped_with_quick_plan(system, "a-star", result.stop, result.statistics);
@@ -199,13 +254,18 @@ Result searched(const TransitionSystem& system, const AStarOptions& options, con
   } else if (result.status != Status::Optimal) {
     result = detail::exhausted("a-star", result.statistics);
   }
+  if (symmetry) result.notes.push_back(symmetry->text());
   return result;
 }
 
 }  // namespace
 
 Result a_star(const TransitionSystem& system, const AStarOptions& options, const Budget& budget) {
-  if (system.wide()) return detail::wide_a_star(system, budget);
+  if (system.wide()) {
+    if (const auto reason = symmetry_obstacle(system, options.symmetry))
+      throw Refusal("a-star", *reason);
+    return detail::wide_a_star(system, budget);
+  }
   return detail::from_the_end(
       system, [&](const TransitionSystem& from) { return searched(from, options, budget); });
 }

@@ -20,6 +20,9 @@ namespace orasp {
 
 namespace {
 
+/// With SymmetryUse::Auto so many states are expanded before symmetry is looked for.
+constexpr std::uint64_t kBeforeBeamSymmetry = 10'000;
+
 /// The search of beam(): passes over the layers of H, each pass twice as wide as the one before.
 class BeamSearch {
  public:
@@ -29,6 +32,7 @@ class BeamSearch {
         budget_(budget),
         words_(system.words()),
         allowed_(allowed_bytes(budget)),
+        symmetry_use_(options.symmetry),
         result_(result),
         workers_(std::max(1U, budget.threads)),
         proved_(options.most) {
@@ -56,6 +60,7 @@ class BeamSearch {
     done_ = meets_bound();
     for (std::size_t width = 1; !done_ && result_.stop == Stop::None; width *= 2) {
       ++result_.statistics.sweeps;
+      look_for_symmetry();
       const double left_out = pass(width);
       if (result_.stop != Stop::None) break;
       proved_ = std::min(proved_, std::max(left_out, result_.reward));
@@ -70,7 +75,35 @@ class BeamSearch {
   /// is none.
   [[nodiscard]] bool done() const { return done_; }
 
+  /// The symmetry that was used in the end.
+  [[nodiscard]] const std::optional<Symmetry>& symmetry() const { return symmetry_; }
+
  private:
+  // Before a pass.
+  void look_for_symmetry() {
+    const bool automatic = symmetry_use_ == SymmetryUse::Auto;
+    if (symmetry_use_ == SymmetryUse::Off) return;
+    if (automatic &&
+        (workers_.front().in_front != nullptr || result_.statistics.expanded < kBeforeBeamSymmetry))
+      return;
+    symmetry_ = symmetry_for(system_, symmetry_use_, "beam");
+    symmetry_use_ = SymmetryUse::Off;  // known once and for all
+    if (!symmetry_) return;
+    form_ = symmetry_->form();
+    for (Worker& worker : workers_) {
+      worker.form = form_;
+      worker.in_front.reset();  // it compares states as they are
+    }
+  }
+
+  // Writes the state to which `connection` leads, or the one that stands for it.
+  void write_successor(SetView state, ConnectionIndex connection, std::optional<OrbitForm>& form,
+                       std::vector<std::uint64_t>& next) const {
+    next.assign(state.begin(), state.end());
+    next[connection / 64] &= ~(std::uint64_t{1} << (connection % 64));
+    if (form) form->canonical_but_for(connection, next);
+  }
+
   // Where rewards depend on when steps come, moves the steps of a new plan about.
   void improve_order() {
     if (!orders_ || result_.reward == improved_) return;
@@ -78,7 +111,8 @@ class BeamSearch {
     improved_ = result_.reward;
   }
 
-  /// A state of the next layer: the state `parent` of this layer less `connection`.
+  /// A state of the next layer: the state `parent` of this layer less `connection`, or the one that
+  /// stands for it.
   struct Candidate {
     double promise;
     double reward;
@@ -111,6 +145,8 @@ class BeamSearch {
     std::unique_ptr<Bound> bound;
     /// Where what a step earns depends on when it comes and on nothing else.
     std::unique_ptr<detail::StepInFront> in_front;
+    std::optional<OrbitForm> form;
+    std::vector<std::uint64_t> next;
     std::vector<Candidate> found;
     std::vector<double> rests;
     std::uint64_t expanded = 0;
@@ -126,8 +162,14 @@ class BeamSearch {
     return {layer.states.data() + i * words_, words_};
   }
   [[nodiscard]] static std::uint64_t mark_of(ConnectionIndex c) { return mixed(c + 1U); }
-  [[nodiscard]] bool same_state(const Layer& layer, const Candidate& a, const Candidate& b) const {
+  [[nodiscard]] bool same_state(const Layer& layer, const Candidate& a, const Candidate& b) {
     if (a.hash != b.hash) return false;
+    if (form_) {
+      if (words_ == 1) return true;  // hashes of one word differ where the words do
+      write_successor(state_of(layer, a.parent), a.connection, form_, one_);
+      write_successor(state_of(layer, b.parent), b.connection, form_, other_);
+      return one_ == other_;
+    }
     const SetView one = state_of(layer, a.parent);
     const SetView other = state_of(layer, b.parent);
     for (std::size_t w = 0; w < words_; ++w) {
@@ -220,7 +262,9 @@ class BeamSearch {
       const auto legal = worker.expander->legal_actions(open);
       ++worker.expanded;
       worker.rests.assign(legal.size(), 0);
-      if (bounded_) worker.bound->of_successors(open, layer_.rests[i], legal, worker.rests);
+      // What is known of a state may be more than of the one that stands for it, or less.
+      const double here = form_ && bounded_ ? (*worker.bound)(open) : layer_.rests[i];
+      if (bounded_) worker.bound->of_successors(open, here, legal, worker.rests);
       std::optional<ConnectionIndex> alone;
       if (worker.in_front && result_.has_plan())
         alone = worker.in_front->find(open, legal,
@@ -236,8 +280,13 @@ class BeamSearch {
           continue;
         }
         const ConnectionIndex c = legal[a].connection;
-        worker.found.push_back({promise, reward, worker.rests[a], layer_.hashes[i] ^ mark_of(c),
-                                static_cast<std::uint32_t>(i), c});
+        std::uint64_t hash = layer_.hashes[i] ^ mark_of(c);
+        if (worker.form) {
+          write_successor(open, c, worker.form, worker.next);
+          hash = hash_value(worker.next);
+        }
+        worker.found.push_back(
+            {promise, reward, worker.rests[a], hash, static_cast<std::uint32_t>(i), c});
       }
     }
   }
@@ -292,9 +341,8 @@ class BeamSearch {
               [this](const Candidate& a, const Candidate& b) { return before(a, b); });
     for (const Candidate& candidate : survivors_) {
       const SetView parent = state_of(layer_, candidate.parent);
-      next_.states.insert(next_.states.end(), parent.begin(), parent.end());
-      next_.states[next_.size() * words_ + candidate.connection / 64] &=
-          ~(std::uint64_t{1} << (candidate.connection % 64));
+      write_successor(parent, candidate.connection, form_, one_);
+      next_.states.insert(next_.states.end(), one_.begin(), one_.end());
       next_.rewards.push_back(candidate.reward);
       next_.rests.push_back(candidate.rest);
       next_.hashes.push_back(candidate.hash);
@@ -315,6 +363,7 @@ class BeamSearch {
       result_.sequence[k] = taken.connection;
       index = taken.parent;
     }
+    if (form_) result_.sequence = true_sequence(system_, *form_, result_.sequence);
   }
 
   /// The memory that `vector` holds, and that of the copy that it moves to if it soon has `size`
@@ -359,6 +408,12 @@ class BeamSearch {
   const Budget& budget_;
   std::size_t words_;
   std::uint64_t allowed_;
+  /// What is still to be done about symmetry, what was found, and this thread's form of states.
+  SymmetryUse symmetry_use_;
+  std::optional<Symmetry> symmetry_;
+  std::optional<OrbitForm> form_;
+  std::vector<std::uint64_t> one_;
+  std::vector<std::uint64_t> other_;
   Result& result_;
   std::vector<Worker> workers_;
   bool bounded_ = false;
@@ -396,6 +451,8 @@ Result searched(const TransitionSystem& system, const BeamOptions& options, cons
   BeamSearch search(system, options, budget, result);
   if (!search.bounded() && options.bound != BoundKind::Best)
     throw Refusal("beam", detail::unknown_bound(system, options.bound));
+  if (const auto reason = symmetry_obstacle(system, options.symmetry))
+    throw Refusal("beam", *reason);
   search.run();
   if (search.done()) {
     if (result.has_plan()) {
@@ -409,13 +466,18 @@ Result searched(const TransitionSystem& system, const BeamOptions& options, cons
     result = detail::stopped_with_quick_plan(system, "beam", result.stop, result.statistics);
     result.bound = most;
   }
+  if (search.symmetry()) result.notes.push_back(search.symmetry()->text());
   return result;
 }
 
 }  // namespace
 
 Result beam(const TransitionSystem& system, const BeamOptions& options, const Budget& budget) {
-  if (system.wide()) return detail::wide_beam(system, options.incumbent, budget);
+  if (system.wide()) {
+    if (const auto reason = symmetry_obstacle(system, options.symmetry))
+      throw Refusal("beam", *reason);
+    return detail::wide_beam(system, options.incumbent, budget);
+  }
   return detail::from_the_end(system, options,
                               [&](const TransitionSystem& from, const BeamOptions& turned) {
                                 return searched(from, turned, budget);

@@ -3,6 +3,7 @@
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/symmetry/symmetry.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -14,6 +15,7 @@ struct BeamOptions {
   const Result* incumbent = nullptr;
   /// A bound on what any plan earns that is proved already.
   double most = kInfinity;
+  SymmetryUse symmetry = SymmetryUse::Off;
 };
 
 /// Finds better and better plans by complete anytime beam search, of any objective and at any size.
@@ -25,7 +27,10 @@ struct BeamOptions {
 ///             those is a bound on what the pass has not seen. Equal promises are ordered by a hash
 ///             of the state, another in each pass. Where rewards depend on when steps come, the
 ///             steps of each new plan are moved about (detail/order_search.h), and where one step
-///             alone need be followed, no other is (detail/step_in_front.h).
+///             alone need be followed, no other is (detail/step_in_front.h). With symmetry
+///             (symmetry/symmetry.h) each state is exchanged for the one that stands for it;
+///             SymmetryUse::Auto looks for it where a pass begins after 10,000 expansions, and not
+///             where steps are followed alone.
 /// Reference.  Zhang (1998), Complete anytime beam search, AAAI; Libralesso, Bouhassoun, Cambazard
 ///             and Jost (2020), Tree search for the sequential ordering problem, ECAI; Kuroiwa and
 ///             Beck (2023), Solving domain-independent dynamic programming problems with anytime
