@@ -22,6 +22,7 @@ LAYERS = {
     "bounds": {"model", "bounds"},
     "graph": {"model", "containers", "task", "bounds", "graph"},
     "planners": {"model", "containers", "task", "bounds", "graph", "planners"},
+    "cluster": {"model", "containers", "task", "planners", "cluster"},
     "mip": {"model", "containers", "task", "planners", "mip"},
     "explain": {"model", "containers", "task", "bounds", "graph", "planners", "explain"},
     "execution": {"model", "task", "graph", "planners", "execution"},
@@ -35,7 +36,7 @@ LAYERS = {
     "catalogue_table": {"model", "task", "bounds", "graph", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
     # What a row of the catalogue says of its options; the two make one.
     "method_options": {"model", "bounds", "catalogue", "method_options"},
-    "orasp": {"model", "task", "bounds", "graph", "planners", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
+    "orasp": {"model", "task", "bounds", "graph", "planners", "cluster", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
               "drawing", "certificate", "catalogue", "method_options"},
 }
 # Folders that are not for those who use the library, as are those named detail.
@@ -64,6 +65,7 @@ THIRD_PARTY = {
     **{name: r"src/orasp/mip/mip_solver_cbc\.cpp" for name in (
         "CbcEventHandler.hpp", "CbcModel.hpp", "CbcSolver.hpp", "ClpEventHandler.hpp", "ClpSimplex.hpp",
         "CoinPackedMatrix.hpp", "OsiClpSolverInterface.hpp")},
+    "mpi.h": r"src/orasp/cluster/ranks_mpi\.cpp",
     "assimp": r"src/orasp/geometry/mesh_reader_assimp\.cpp",
     "CLI": r"cli/options/command_line\.cpp",
     "gtest": r"tests/.*",
@@ -164,6 +166,8 @@ ALLOWED = [
     ("src/orasp/mip/mip_solver_cbc.cpp", "<CbcModel.hpp>"),
     ("src/orasp/geometry/cad_reader_occt.cpp", "<BRep_Tool.hxx>"),
     ("src/orasp/geometry/mesh_reader_assimp.cpp", "<assimp/scene.h>"),
+    ("src/orasp/cluster/ranks_mpi.cpp", "<mpi.h>"),
+    ("src/orasp/cluster/a.cpp", '"orasp/planners/b.h"'),
     ("src/orasp/io/import_files.cpp", '"orasp/geometry/mesh.h"'),
     ("src/orasp/learning/dqn.h", '"orasp/task/result.h"'),
     ("src/orasp/catalogue.cpp", '"orasp/learning/dqn.h"'),
@@ -212,6 +216,8 @@ PLANTED = [
     ("src/orasp/geometry/contacts.cpp", "<gp_Pnt.hxx>"),
     ("src/orasp/geometry/cad_reader_occt.cpp", "<assimp/scene.h>"),
     ("src/orasp/geometry/mesh.cpp", '"orasp/io/b.h"'),
+    ("src/orasp/cluster/ranks.cpp", "<mpi.h>"),
+    ("src/orasp/planners/a.cpp", '"orasp/cluster/b.h"'),
     ("src/orasp/catalogue.h", "<fmt/format.h>"),
     ("src/orasp/utils/a.h", "<vector>"),
     ("cli/main.cpp", "<CLI/CLI.hpp>"),

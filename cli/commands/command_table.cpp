@@ -23,7 +23,7 @@ namespace orasp::cli {
 namespace {
 
 constexpr std::array<Command, 16> kCommands = {{
-    {"solve", "find a plan", solve_command},
+    {"solve", "find a plan", solve_command, true},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
     {"check", "whether a certificate proves that no plan is better", check_command},
