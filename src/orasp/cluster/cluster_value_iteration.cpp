@@ -34,12 +34,13 @@ constexpr const char* kMethod = "value-iteration";
 /// More connections are held in four bytes, as on one process.
 constexpr std::size_t kMostConnectionsDouble = 28;
 /// A block has so many states, or fewer where a slab has.
-constexpr std::size_t kBlockBits = 12;
+constexpr std::size_t kBlockBits = 13;
 /// For so many blocks of each neighbour receipts are open.
-constexpr std::size_t kAhead = 4;
-/// So many rounds of blocks pass between two looks at what the other ranks say: the leading rank is
-/// at most twice that far in front.
-constexpr std::uint64_t kRoundsBetweenLooks = 8;
+constexpr std::size_t kAhead = 8;
+/// A rank works out about so many blocks between two looks at what the other ranks say: the leading
+/// rank is at most twice that far in front. Fewer where a block takes longer.
+constexpr std::uint64_t kBlocksBetweenLooks = 64;
+constexpr std::uint64_t kSlowBlocksBetweenLooks = 4;
 /// Where the number of ranks is no power of two there are so many slabs for each, or up to twice as
 /// many, so that the shares differ by a sixteenth at most.
 constexpr std::size_t kSlabsOfRank = 16;
@@ -256,11 +257,14 @@ class Pass {
 
   /// @returns the flags of all ranks: 0 where the pass is whole.
   std::uint64_t run(std::uint64_t bytes, Statistics& statistics) {
+    const std::uint64_t blocks = forest_ ? kBlocksBetweenLooks : kSlowBlocksBetweenLooks;
+    const std::uint64_t between_looks =
+        std::max<std::uint64_t>(1, blocks * ranks_.size() / layout_.slabs());
     slabs_.begin();
     std::uint64_t round = 0;
     std::uint64_t united = 0;
     for (; round < layout_.rounds(); ++round) {
-      if (round % kRoundsBetweenLooks == 0) {
+      if (round % between_looks == 0) {
         if (round > 0) united = ranks_.finish_union();
         if (united != 0) break;
         flags_ |= flag_of(budget_.expired(bytes, statistics.expanded));
@@ -284,7 +288,7 @@ class Pass {
     }
     slabs_.end(round);
     report(round);
-    statistics.generated += forest_ ? forest_generated() : generated_;
+    if (united == 0) statistics.generated += forest_ ? forest_generated() : generated_;
     return united;
   }
 
@@ -400,7 +404,7 @@ std::uint64_t allowed_bytes_of_rank(const Budget& budget, const Ranks& ranks) {
 }
 
 std::string mebibytes(std::uint64_t bytes) {
-  return std::to_string((bytes >> 20U) + 1) + " MiB";
+  return std::to_string((bytes + (std::uint64_t{1} << 20U) - 1) >> 20U) + " MiB";
 }
 
 template <class Numbers>

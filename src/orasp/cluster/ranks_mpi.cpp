@@ -34,19 +34,29 @@ int whole(std::size_t number) {
   return static_cast<int>(number);
 }
 
-/// Waits for a request: looks at once, and then less and less often, so that ranks that share a
-/// core leave it to each other.
+/// Waits for a request: looks again and again, leaving the core to others between two looks, and
+/// after some milliseconds only now and then, so that a rank that has long nothing to do takes
+/// nothing from those that work.
 void wait_for(MPI_Request& request) {
-  constexpr int kQuickLooks = 200;
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kPatience{2};
+  constexpr std::chrono::microseconds kNap{100};
+  constexpr int kLooksBetweenTimes = 64;
+  std::optional<Clock::time_point> begin;
   int done = 0;
   for (int looks = 0;; ++looks) {
     check(MPI_Test(&request, &done, MPI_STATUS_IGNORE));
     if (done != 0) return;
-    if (looks < kQuickLooks) {
-      std::this_thread::yield();
-    } else {
-      std::this_thread::sleep_for(std::chrono::microseconds(50));
+    if (looks % kLooksBetweenTimes == kLooksBetweenTimes - 1) {
+      const Clock::time_point now = Clock::now();
+      if (!begin) begin = now;
+      if (now - *begin > kPatience) {
+        std::this_thread::sleep_for(kNap);
+        looks -= 1;
+        continue;
+      }
     }
+    std::this_thread::yield();
   }
 }
 
