@@ -29,7 +29,7 @@ constexpr std::array<Command, 16> kCommands = {{
     {"check", "whether a certificate proves that no plan is better", check_command},
     {"explain", "why there is no plan, or why a connection cannot go first", explain_command},
     {"replan", "the best plan from where the work stands", replan_command},
-    {"compare", "several methods on several problems, one table", compare_command},
+    {"compare", "several methods on several problems, one table", compare_command, true},
     {"sample", "rewards of random sequences", sample_command},
     {"simulate", "run a plan or a policy against random failures", simulate_command},
     {"train", "learn a policy by deep Q-learning", train_command},

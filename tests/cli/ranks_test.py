@@ -97,6 +97,31 @@ class Ranks(Case):
         loaded = subprocess.run(["ldd", PROGRAM], capture_output=True, text=True, check=True).stdout
         self.assertNotIn("mpi", loaded)
 
+    def test_compare_shares_the_problems_out_and_prints_one_table_in_order(self):
+        def rows(text):
+            """All but the times."""
+            return [[cell for key, cell in row.items() if key != "seconds"] for row in json.loads(text)["rows"]]
+
+        chain = self.file("chain.json", orasp("scenarios", "tree:9:2").out)
+        words = ["compare", "hubble", "3piece", chain, "fleet-lattice", "lattice", "2x3", "--methods",
+                 "value-iteration,a-star,greedy,fleet-search", "--objective", "time", "--json"]
+        expected = rows(orasp(*words).out)
+        for count in (2, 4):
+            code, out, error = on_ranks(count, *words)
+            self.assertEqual(code, 0, error)
+            self.assertEqual(rows(out), expected)
+        code, _, error = on_ranks(2, "compare", "hubble", "nowhere.json")
+        self.assertEqual((code, error.count("orasp: ")), (30, 1), error)
+
+    def test_a_stop_of_compare_prints_the_rows_so_far(self):
+        process = start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv")
+        time.sleep(2)
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=60)
+        self.assertIn("2x3,exhaustive,optimal,", out, error)
+        self.assertIn("lattice,exhaustive,feasible,", out)
+        self.assertEqual(out.count("problem,method,"), 1)
+
     def long_run(self):
         problem = self.file("tree.json", orasp("scenarios", "tree:30:1").out)
         file = self.folder / "plan.json"
