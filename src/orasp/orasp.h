@@ -58,7 +58,7 @@
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
 ///
 /// Folders: model (problem, rules), task (budget, result), bounds, graph (H), planners (one method
-/// a pair of files), mip, explain, execution (replanning), learning, fleet, geometry (CAD), io
+/// a pair of files), cluster (several processes), mip, explain, execution (replanning), learning, fleet, geometry (CAD), io
 /// (files), drawing, report, catalogue (all planners by name). Errors: InputError, and nothing else
 /// is thrown on purpose. Units: kg, m, s; geometry: mm.
 
@@ -67,6 +67,9 @@
 #include "orasp/bounds/piece_bound.h"
 #include "orasp/catalogue.h"
 #include "orasp/certificate/certificate.h"
+#include "orasp/cluster/cluster_value_iteration.h"
+#include "orasp/cluster/ranks.h"
+#include "orasp/cluster/share_out.h"
 #include "orasp/drawing/document.h"
 #include "orasp/drawing/figures.h"
 #include "orasp/execution/plan_changes.h"
