@@ -16,6 +16,7 @@
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
 #include "orasp/certificate/certificate.h"
+#include "orasp/cluster/cluster_beam.h"
 #include "orasp/cluster/cluster_value_iteration.h"
 #include "orasp/explain/alternatives.h"
 #include "orasp/fleet/fleet_mip.h"
@@ -173,28 +174,39 @@ Certified certify(const Problem& problem, const Result& result, const Budget& bu
 
 /// Refuses what several processes do not share.
 void require_sense_of_ranks(const SolveOptions& options) {
-  if (options.method != "value-iteration")
+  const bool of_table = options.method == "value-iteration";
+  if (!of_table && options.method != "beam")
     throw InputError(fmt::format(
         "{} does its work in one process: start it without mpirun, or let several share it with "
-        "--method value-iteration",
+        "--method value-iteration or --method beam",
         options.method));
-  const char* const lone = wants_other_plans(options)     ? "--count or --alternatives"
-                           : !options.write_model.empty() ? "--write-model"
-                           : !options.certificate.empty() ? "--certificate"
-                           : options.steps                ? "--steps"
-                           : options.limits.threads       ? "--threads"
-                           : !options.of_method.empty()   ? "an option of the method"
-                                                          : nullptr;
+  const char* const lone = wants_other_plans(options)               ? "--count or --alternatives"
+                           : !options.write_model.empty()           ? "--write-model"
+                           : !options.certificate.empty()           ? "--certificate"
+                           : options.steps                          ? "--steps"
+                           : of_table && options.limits.threads     ? "--threads"
+                           : of_table && !options.of_method.empty() ? "an option of the method"
+                                                                    : nullptr;
   if (lone != nullptr)
     throw InputError(
-        fmt::format("{}: several processes do not share that, each with one thread; "
-                    "start it without mpirun",
-                    lone));
+        fmt::format("{}: several processes do not share that with {}; start it without mpirun",
+                    lone, options.method));
+}
+
+/// The answer of several processes to one problem of one robot, on each.
+Result solved_on_ranks(const TransitionSystem& system, const SolveOptions& options,
+                       const Options& chosen, Budget& budget, Ranks& ranks) {
+  if (options.method == "value-iteration")
+    return cluster_value_iteration(system, {}, budget, ranks);
+  if (!options.limits.threads)
+    budget.threads = std::max(1U, budget.threads / static_cast<unsigned>(ranks.on_this_machine()));
+  return cluster_beam(system, {.bound = chosen.bound}, budget, ranks);
 }
 
 /// The answer of several processes, printed and written by rank 0.
 int solve_on_ranks(const SolveOptions& options, const Context& context) {
   require_sense_of_ranks(options);
+  const Options chosen = options_from(options.method, options.of_method, "--");
   Budget budget = make_budget(options.limits);
   return on_ranks([&](Ranks& ranks) {
     share_memory(ranks, options.limits.memory_limit.has_value(), budget);
@@ -209,7 +221,7 @@ int solve_on_ranks(const SolveOptions& options, const Context& context) {
     if (ranks.rank() == 0 && digest != problem_digest(problem))
       throw std::logic_error("the problem changed on its way to the other ranks");
     if (problem.objective().of_fleet())
-      throw InputError("value-iteration plans for one robot, and " + problem.objective().type +
+      throw InputError(options.method + " plans for one robot, and " + problem.objective().type +
                        " is an objective of several");
     const Task task(problem);
     Result result;
@@ -217,7 +229,7 @@ int solve_on_ranks(const SolveOptions& options, const Context& context) {
       ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
       if (ranks.rank() == 0) progress.attach_to(budget);
       const TransitionSystem system(problem);
-      result = cluster_value_iteration(system, {}, budget, ranks);
+      result = solved_on_ranks(system, options, chosen, budget, ranks);
       result.seed = options.seed;
     }
     if (ranks.rank() != 0) return static_cast<int>(kSolved);

@@ -58,6 +58,16 @@ class Ranks(Case):
                         self.assertEqual(code, 0, error)
                         self.assertEqual(answer(out), expected)
 
+    def test_beam_gives_the_plan_of_one_process(self):
+        for words in (["hubble", "--direction", "assembly"], ["hubble-free", "--objective", "indexed"],
+                      ["jwst", "--objective", "time", "--memory-limit", "900"]):
+            words = ["solve", *words, "--method", "beam", "--json"]
+            with self.subTest(words=words):
+                expected = answer(orasp(*words).out)
+                code, out, error = on_ranks(3, *words)
+                self.assertEqual(code, 0, error)
+                self.assertEqual(answer(out), expected)
+
     def test_the_plan_is_printed_once_and_written(self):
         file = self.folder / "plan.json"
         code, out, _ = on_ranks(3, "solve", "lattice", "--method", "value-iteration", "-o", str(file))

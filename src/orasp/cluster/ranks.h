@@ -69,6 +69,8 @@ class Ranks {
   [[nodiscard]] virtual std::string broadcast(std::string text, std::size_t from) = 0;
   /// What each has, by rank, at rank 0; elsewhere empty.
   [[nodiscard]] virtual std::vector<std::string> gather(const std::string& text) = 0;
+  /// What each has, by rank, on every rank. Its bytes are counted as sent, to each other rank.
+  [[nodiscard]] virtual std::vector<std::string> gather_everywhere(const std::string& text) = 0;
 
   /// A text from one rank to another, apart from the stream of send().
   struct Letter {
