@@ -22,7 +22,7 @@ LAYERS = {
     "bounds": {"model", "bounds"},
     "graph": {"model", "containers", "task", "bounds", "graph"},
     "planners": {"model", "containers", "task", "bounds", "graph", "planners"},
-    "cluster": {"model", "containers", "task", "planners", "cluster"},
+    "cluster": {"model", "containers", "task", "bounds", "planners", "cluster"},
     "mip": {"model", "containers", "task", "planners", "mip"},
     "explain": {"model", "containers", "task", "bounds", "graph", "planners", "explain"},
     "execution": {"model", "task", "graph", "planners", "execution"},

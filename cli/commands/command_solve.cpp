@@ -16,6 +16,7 @@
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
 #include "orasp/certificate/certificate.h"
+#include "orasp/cluster/cluster_a_star.h"
 #include "orasp/cluster/cluster_beam.h"
 #include "orasp/cluster/cluster_value_iteration.h"
 #include "orasp/explain/alternatives.h"
@@ -175,16 +176,17 @@ Certified certify(const Problem& problem, const Result& result, const Budget& bu
 /// Refuses what several processes do not share.
 void require_sense_of_ranks(const SolveOptions& options) {
   const bool of_table = options.method == "value-iteration";
-  if (!of_table && options.method != "beam")
+  const bool of_a_star = options.method == "a-star";
+  if (!of_table && !of_a_star && options.method != "beam")
     throw InputError(fmt::format(
         "{} does its work in one process: start it without mpirun, or let several share it with "
-        "--method value-iteration or --method beam",
+        "--method value-iteration, beam or a-star",
         options.method));
-  const char* const lone = wants_other_plans(options)               ? "--count or --alternatives"
-                           : !options.write_model.empty()           ? "--write-model"
-                           : !options.certificate.empty()           ? "--certificate"
-                           : options.steps                          ? "--steps"
-                           : of_table && options.limits.threads     ? "--threads"
+  const char* const lone = wants_other_plans(options)     ? "--count or --alternatives"
+                           : !options.write_model.empty() ? "--write-model"
+                           : !options.certificate.empty() ? "--certificate"
+                           : options.steps                ? "--steps"
+                           : (of_table || of_a_star) && options.limits.threads ? "--threads"
                            : of_table && !options.of_method.empty() ? "an option of the method"
                                                                     : nullptr;
   if (lone != nullptr)
@@ -198,6 +200,8 @@ Result solved_on_ranks(const TransitionSystem& system, const SolveOptions& optio
                        const Options& chosen, Budget& budget, Ranks& ranks) {
   if (options.method == "value-iteration")
     return cluster_value_iteration(system, {}, budget, ranks);
+  if (options.method == "a-star")
+    return cluster_a_star(system, {.bound = chosen.bound}, budget, ranks);
   if (!options.limits.threads)
     budget.threads = std::max(1U, budget.threads / static_cast<unsigned>(ranks.on_this_machine()));
   return cluster_beam(system, {.bound = chosen.bound}, budget, ranks);

@@ -67,6 +67,7 @@
 #include "orasp/bounds/piece_bound.h"
 #include "orasp/catalogue.h"
 #include "orasp/certificate/certificate.h"
+#include "orasp/cluster/cluster_a_star.h"
 #include "orasp/cluster/cluster_beam.h"
 #include "orasp/cluster/cluster_value_iteration.h"
 #include "orasp/cluster/ranks.h"

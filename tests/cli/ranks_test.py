@@ -68,6 +68,29 @@ class Ranks(Case):
                 self.assertEqual(code, 0, error)
                 self.assertEqual(answer(out), expected)
 
+    def test_a_star_proves_the_optimum_of_one_process(self):
+        for words in (["hubble", "--direction", "assembly"], ["hubble-free", "--objective", "fuel", "--bound", "connections"]):
+            words = ["solve", *words, "--method", "a-star", "--json"]
+            one = orasp(*words)
+            for count in (3,):
+                with self.subTest(words=words, ranks=count):
+                    code, out, error = on_ranks(count, *words)
+                    self.assertEqual(code, one.code, error)
+                    if code != 0:
+                        continue
+                    plan, expected = json.loads(out), json.loads(one.out)
+                    self.assertEqual((plan["status"], expected["status"]), ("optimal", "optimal"))
+                    self.assertAlmostEqual(plan["reward"], expected["reward"], 9)
+                    self.assertAlmostEqual(plan["bound"], expected["bound"], 9)
+
+    def test_a_stopped_a_star_has_a_proved_bound(self):
+        words = ["solve", "iss", "--objective", "fuel", "--bound", "connections", "--method", "a-star", "--json", "--time-limit", "1"]
+        code, out, error = on_ranks(3, *words)
+        self.assertEqual(code, 20, error)
+        plan = json.loads(out)
+        self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "time limit"))
+        self.assertGreaterEqual(plan["bound"], plan["reward"])
+
     def test_the_plan_is_printed_once_and_written(self):
         file = self.folder / "plan.json"
         code, out, _ = on_ranks(3, "solve", "lattice", "--method", "value-iteration", "-o", str(file))

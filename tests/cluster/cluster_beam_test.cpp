@@ -20,7 +20,7 @@
 namespace orasp {
 namespace {
 
-Result as_in_one_process(const Problem& problem, std::size_t count, std::uint64_t expansions) {
+Result beam_as_in_one_process(const Problem& problem, std::size_t count, std::uint64_t expansions) {
   const TransitionSystem system(problem);
   Budget budget;
   budget.max_expansions = expansions;
@@ -57,7 +57,7 @@ TEST_P(ClusterBeamAgreement, AnyNumberOfRanksIsRightAboutEveryProblem) {
     const Problem problem(spec);
     if (TransitionSystem(problem).wide()) continue;
     ++taken;
-    const Result result = as_in_one_process(problem, 1 + seed % 8, kAll);
+    const Result result = beam_as_in_one_process(problem, 1 + seed % 8, kAll);
     expect_honest(problem, oracle::brute_force(spec), find_planner("beam"), result);
     if (HasFailure()) return;
   }
@@ -71,14 +71,15 @@ TEST(ClusterBeam, WideLayersAreAsInOneProcess) {
     spec.direction = direction;
     spec.objective = chance_objective();
     for (const std::size_t count : {2U, 3U})
-      static_cast<void>(as_in_one_process(Problem(spec), count, 40'000));
+      static_cast<void>(beam_as_in_one_process(Problem(spec), count, 40'000));
   }
 }
 
 // Where orders of steps are improved against a clock, by one rank for all.
 TEST(ClusterBeam, ImprovedOrdersAreThoseOfTheFirstRank) {
   const Problem problem = load_scenario("hubble").with_objective(Objective::named("indexed"));
-  const Result result = as_in_one_process(problem, 3, std::numeric_limits<std::uint64_t>::max());
+  const Result result =
+      beam_as_in_one_process(problem, 3, std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(status_name(result.status), "optimal");
 }
 
