@@ -126,6 +126,13 @@ class Ranks(Case):
                 self.assertEqual(error.count("orasp: "), 1, error)
                 self.assertIn(sentence, error)
 
+    def test_a_missing_module_is_said_once_with_what_to_install(self):
+        alone = shutil.copy(PROGRAM, self.folder / "orasp")
+        done = subprocess.run([MPIRUN, "-n", "2", alone, "solve", "hubble", "--method", "value-iteration"], capture_output=True,
+                              text=True, env=ENVIRONMENT, timeout=60, check=False)
+        self.assertEqual(done.returncode, 30, done.stderr)
+        self.assertEqual(done.stderr.count("install the packages libopenmpi-dev and openmpi-bin"), 1, done.stderr)
+
     def test_one_process_needs_no_module(self):
         loaded = subprocess.run(["ldd", PROGRAM], capture_output=True, text=True, check=True).stdout
         self.assertNotIn("mpi", loaded)
