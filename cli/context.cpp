@@ -10,6 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "cli/on_ranks.h"
 #include "orasp/model/error.h"
 
 namespace orasp::cli {
@@ -24,14 +25,17 @@ bool wants_colour() {
   const char* const no_colour = std::getenv("NO_COLOR");
   const char* const terminal = std::getenv("TERM");
   const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
-  return isatty(STDOUT_FILENO) == 1 && (no_colour == nullptr || *no_colour == '\0') && !dumb;
+  // mpirun hands every process a terminal, whatever its own output is.
+  return !among_ranks() && isatty(STDOUT_FILENO) == 1 &&
+         (no_colour == nullptr || *no_colour == '\0') && !dumb;
 }
 
 std::size_t terminal_width() {
   constexpr std::size_t kDefault = 100;
   constexpr std::size_t kLeast = 40;
   winsize size{};
-  const bool known = isatty(STDOUT_FILENO) == 1 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;
+  const bool known =
+      !among_ranks() && isatty(STDOUT_FILENO) == 1 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0;
   return known && size.ws_col >= kLeast ? size.ws_col : kDefault;
 }
 

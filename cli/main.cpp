@@ -10,6 +10,7 @@
 
 #include "cli/commands/command_table.h"
 #include "cli/exit_codes.h"
+#include "cli/on_ranks.h"
 #include "cli/options/command_line.h"
 #include "cli/output/text.h"
 #include "cli/signals.h"
@@ -32,11 +33,14 @@ std::string usage() {
 }
 
 int dispatch(const Arguments& arguments) {
+  // Help and faults of usage come from one process of several.
+  const bool silent = !speaks();
   if (arguments.empty()) {
-    std::fputs(usage().c_str(), stderr);
+    if (!silent) std::fputs(usage().c_str(), stderr);
     return kWrongInput;
   }
   const std::string& name = arguments.front();
+  if (silent && name.starts_with('-')) return kSolved;
   if (name == "--version") {
     Context(false).print("orasp " ORASP_VERSION "\n");
     return kSolved;
@@ -50,8 +54,20 @@ int dispatch(const Arguments& arguments) {
     if (name == command.name) {
       CommandLine line(command.name);
       const CommandWork work = command.declare(line);
-      const bool asked = line.parse({arguments.begin() + 1, arguments.end()});
-      return asked ? work(Context(line.quiet())) : kSolved;
+      if (among_ranks() && !command.shares) {
+        if (silent) return kSolved;
+        throw InputError(fmt::format(
+            "{} does its work in one process: start it without mpirun (solve and compare share "
+            "theirs)",
+            name));
+      }
+      const Arguments rest(arguments.begin() + 1, arguments.end());
+      const auto asks_help = [](const std::string& word) {
+        return word == "--help" || word == "-h";
+      };
+      if (silent && std::ranges::any_of(rest, asks_help)) return kSolved;
+      const bool asked = line.parse(rest);
+      return asked ? work(Context(line.quiet() || silent)) : kSolved;
     }
     names.emplace_back(command.name);
   }
@@ -71,6 +87,7 @@ int main(int argc, char** argv) {
     prepare_streams();
     return dispatch(Arguments(argv + std::min(argc, 1), argv + argc));
   } catch (const orasp::InputError& error) {
+    if (!speaks()) return kSolved;
     print_error(error.what());
     return kWrongInput;
   } catch (const std::bad_alloc&) {

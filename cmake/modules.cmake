@@ -1,14 +1,15 @@
 # A module is a shared object of this project that is opened when it is first needed, since the library behind it takes long
 # to load or may be missing (src/orasp/containers/module_loader.h).
-set(orasp_modules orasp_torch orasp_cbc orasp_occt orasp_assimp orasp_nauty)
+set(orasp_modules orasp_torch orasp_cbc orasp_occt orasp_assimp orasp_nauty orasp_mpi)
 
-# find_module(NAME PACKAGE): sets ORASP_NAME to ON or OFF, as ORASP_WITH_NAME asks: ON, OFF, or AUTO for where it is found.
+# find_module(NAME PACKAGE [ARGUMENTS of find_package]): sets ORASP_NAME to ON or OFF, as ORASP_WITH_NAME asks: ON, OFF, or
+# AUTO for where it is found.
 macro(find_module name package)
   set(ORASP_${name} OFF)
   if(ORASP_WITH_${name} STREQUAL "AUTO")
-    find_package(${package} QUIET)
+    find_package(${package} QUIET ${ARGN})
   elseif(ORASP_WITH_${name})
-    find_package(${package} REQUIRED)
+    find_package(${package} REQUIRED ${ARGN})
   endif()
   if(ORASP_WITH_${name} AND ${package}_FOUND)
     set(ORASP_${name} ON)

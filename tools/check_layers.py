@@ -23,6 +23,7 @@ LAYERS = {
     "symmetry": {"model", "containers", "symmetry"},
     "graph": {"model", "containers", "task", "bounds", "symmetry", "graph"},
     "planners": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners"},
+    "cluster": {"model", "containers", "task", "bounds", "symmetry", "planners", "cluster"},
     "mip": {"model", "containers", "task", "planners", "mip"},
     "explain": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners", "explain"},
     "execution": {"model", "task", "graph", "planners", "execution"},
@@ -36,7 +37,7 @@ LAYERS = {
     "catalogue_table": {"model", "task", "bounds", "symmetry", "graph", "planners", "mip", "execution", "learning", "fleet", "catalogue"},
     # What a row of the catalogue says of its options; the two make one.
     "method_options": {"model", "bounds", "symmetry", "catalogue", "method_options"},
-    "orasp": {"model", "task", "bounds", "symmetry", "graph", "planners", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
+    "orasp": {"model", "task", "bounds", "symmetry", "graph", "planners", "cluster", "mip", "explain", "execution", "learning", "fleet", "geometry", "io",
               "drawing", "certificate", "catalogue", "method_options"},
 }
 # Folders that are not for those who use the library, as are those named detail.
@@ -66,6 +67,7 @@ THIRD_PARTY = {
         "CbcEventHandler.hpp", "CbcModel.hpp", "CbcSolver.hpp", "ClpEventHandler.hpp", "ClpSimplex.hpp",
         "CoinPackedMatrix.hpp", "OsiClpSolverInterface.hpp")},
     "nauty": r"src/orasp/symmetry/automorphisms_nauty\.cpp",
+    "mpi.h": r"src/orasp/cluster/ranks_mpi\.cpp",
     "assimp": r"src/orasp/geometry/mesh_reader_assimp\.cpp",
     "CLI": r"cli/options/command_line\.cpp",
     "gtest": r"tests/.*",
@@ -166,6 +168,8 @@ ALLOWED = [
     ("src/orasp/mip/mip_solver_cbc.cpp", "<CbcModel.hpp>"),
     ("src/orasp/geometry/cad_reader_occt.cpp", "<BRep_Tool.hxx>"),
     ("src/orasp/geometry/mesh_reader_assimp.cpp", "<assimp/scene.h>"),
+    ("src/orasp/cluster/ranks_mpi.cpp", "<mpi.h>"),
+    ("src/orasp/cluster/a.cpp", '"orasp/planners/b.h"'),
     ("src/orasp/io/import_files.cpp", '"orasp/geometry/mesh.h"'),
     ("src/orasp/learning/dqn.h", '"orasp/task/result.h"'),
     ("src/orasp/catalogue.cpp", '"orasp/learning/dqn.h"'),
@@ -214,6 +218,8 @@ PLANTED = [
     ("src/orasp/geometry/contacts.cpp", "<gp_Pnt.hxx>"),
     ("src/orasp/geometry/cad_reader_occt.cpp", "<assimp/scene.h>"),
     ("src/orasp/geometry/mesh.cpp", '"orasp/io/b.h"'),
+    ("src/orasp/cluster/ranks.cpp", "<mpi.h>"),
+    ("src/orasp/planners/a.cpp", '"orasp/cluster/b.h"'),
     ("src/orasp/catalogue.h", "<fmt/format.h>"),
     ("src/orasp/utils/a.h", "<vector>"),
     ("cli/main.cpp", "<CLI/CLI.hpp>"),

@@ -7,8 +7,9 @@ run_packages=(g++ cmake ninja-build nlohmann-json3-dev libcli11-dev libfmt-dev l
 learning_packages=(libtorch-dev libopenblas0-pthread)
 mip_packages=(coinor-libcbc-dev)
 python_packages=(python3-dev pybind11-dev python3-numpy)
+mpi_packages=(libopenmpi-dev openmpi-bin)
 cad_packages=(libocct-data-exchange-dev libocct-ocaf-dev libassimp-dev)
-test_packages=("${run_packages[@]}" "${learning_packages[@]}" "${mip_packages[@]}" "${cad_packages[@]}" "${python_packages[@]}" libgtest-dev libbenchmark-dev python3
+test_packages=("${run_packages[@]}" "${learning_packages[@]}" "${mip_packages[@]}" "${cad_packages[@]}" "${mpi_packages[@]}" "${python_packages[@]}" libgtest-dev libbenchmark-dev python3
                coinor-cbc python3-scipy python3-jsonschema python3-yaml python3-pydot python3-lxml clang-format-14
                python3-networkx python3-setuptools python3-pip python3-venv mypy)
 # For the tests of the report page. Node and npm may be there from elsewhere, whose packages exclude Debian's.

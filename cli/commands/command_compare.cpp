@@ -11,12 +11,15 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
+#include "cli/on_ranks.h"
 #include "cli/options/command_line.h"
 #include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
+#include "orasp/cluster/share_out.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/problem_json.h"
 
 namespace orasp::cli {
 namespace {
@@ -30,6 +33,9 @@ struct Row {
   bool of_fleet = false;
   std::optional<Result> result;
   std::string message;
+  /// Of a plan of several robots.
+  std::size_t makespan = 0;
+  double travel = 0;
 
   [[nodiscard]] std::string status() const {
     return result ? std::string(status_name(result->status)) : std::string("refused");
@@ -77,8 +83,11 @@ std::string message_of(const Result& result) {
   return text;
 }
 
+/// Changes what a run may spend; may be empty.
+using AdaptBudget = std::function<void(Budget&)>;
+
 Row row_of(const Problem& problem, const std::string& name, const Planner& planner,
-           const CompareOptions& options, const Context& context) {
+           const CompareOptions& options, const Context& context, const AdaptBudget& adapt) {
   Row row{.problem = name,
           .method = std::string(planner.name),
           .exact = planner.exact,
@@ -87,6 +96,7 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
           .message = {}};
   ProgressLine progress(context, printable(name) + ", " + row.method);
   Budget budget = make_budget(options.limits);
+  if (adapt) adapt(budget);
   progress.attach_to(budget);
   Options planner_options;
   planner_options.seed = options.seed;
@@ -95,6 +105,8 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
   try {
     row.result = solve(task, planner.name, planner_options, budget);
     row.result->values = {};
+    row.makespan = row.result->fleet_plan.makespan();
+    row.travel = row.result->fleet_plan.travel();
     row.message = message_of(*row.result);
   } catch (const InputError& error) {
     row.message = error.what();
@@ -106,7 +118,7 @@ Row row_of(const Problem& problem, const std::string& name, const Planner& plann
 bool comparable(const Row& proof, const Row& other) {
   if (!proof.result->steps_allowed) return true;
   // The least travel in so many steps.
-  return other.result->fleet_plan.makespan() <= *proof.result->steps_allowed;
+  return other.makespan <= *proof.result->steps_allowed;
 }
 
 /// Rows of one problem that contradict each other, in a sentence; empty if none do. A proved
@@ -154,8 +166,8 @@ nlohmann::ordered_json as_json(const std::vector<Row>& rows) {
                     {"pruned", statistics.pruned},
                     {"message", row.message}});
     if (row.of_fleet && row.has_plan()) {
-      list.back()["makespan"] = row.result->fleet_plan.makespan();
-      list.back()["travel"] = row.result->fleet_plan.travel();
+      list.back()["makespan"] = row.makespan;
+      list.back()["travel"] = row.travel;
     }
   }
   return {{"rows", std::move(list)}};
@@ -187,10 +199,8 @@ std::string as_csv(const std::vector<Row>& rows) {
                         statistics.states, statistics.actions, statistics.expanded,
                         statistics.generated, statistics.pruned, csv_cell(row.message));
     if (any_fleet) {
-      text += row.of_fleet && row.has_plan()
-                  ? fmt::format(",{},{}", row.result->fleet_plan.makespan(),
-                                row.result->fleet_plan.travel())
-                  : ",,";
+      text +=
+          row.of_fleet && row.has_plan() ? fmt::format(",{},{}", row.makespan, row.travel) : ",,";
     }
     text += '\n';
   }
@@ -230,9 +240,8 @@ TextTable as_table(const std::vector<Row>& rows) {
         std::move(seconds), row.result ? grouped(row.result->statistics.states) : "-"};
     if (any_fleet) {
       const bool has_figures = row.of_fleet && row.has_plan();
-      const std::vector<std::string> figures = {
-          has_figures ? fmt::to_string(row.result->fleet_plan.makespan()) : "-",
-          has_figures ? number_text(row.result->fleet_plan.travel()) : "-"};
+      const std::vector<std::string> figures = {has_figures ? fmt::to_string(row.makespan) : "-",
+                                                has_figures ? number_text(row.travel) : "-"};
       cells.insert(cells.begin() + 4, figures.begin(), figures.end());
     }
     if (any_message) cells.push_back(row.note());
@@ -258,6 +267,8 @@ struct Asked {
   Problem problem;
   std::string fault;
 
+  Asked(Problem its_problem, std::string its_fault)
+      : problem(std::move(its_problem)), fault(std::move(its_fault)) {}
   Asked(const Problem& written, const CompareOptions& options) : problem(written) {
     ProblemChanges changes;
     changes.objective = options.changes.objective;
@@ -272,10 +283,9 @@ struct Asked {
 
 /// Runs the methods on one problem and adds their rows. Where the methods were not named, those
 /// that refuse are left out, unless all do. @returns false when it was interrupted.
-bool add_rows(const Problem& written, const std::string& name,
-              const std::vector<const Planner*>& named, const CompareOptions& options,
-              const Context& context, std::vector<Row>& rows) {
-  const Asked asked(written, options);
+bool add_rows(const Asked& asked, const std::string& name, const std::vector<const Planner*>& named,
+              const CompareOptions& options, const Context& context, const AdaptBudget& adapt,
+              std::vector<Row>& rows) {
   const Problem& problem = asked.problem;
   const std::vector<const Planner*> methods = named.empty() ? all_methods(problem) : named;
   if (!asked.fault.empty()) {
@@ -291,7 +301,7 @@ bool add_rows(const Problem& written, const std::string& name,
   std::vector<Row> refused;
   const std::size_t before = rows.size();
   for (const Planner* const planner : methods) {
-    Row row = row_of(problem, name, *planner, options, context);
+    Row row = row_of(problem, name, *planner, options, context, adapt);
     const bool interrupted = row.result && row.result->stop == Stop::Cancelled;
     std::vector<Row>& list = row.result || !options.methods.empty() ? rows : refused;
     list.push_back(std::move(row));
@@ -301,19 +311,9 @@ bool add_rows(const Problem& written, const std::string& name,
   return true;
 }
 
-}  // namespace
-
-int run(const CompareOptions& options, const Context& context) {
-  if (std::ranges::count(std::array{options.json, options.csv, options.markdown}, true) > 1)
-    throw InputError("only one of --json, --csv and --markdown can be given");
-  const std::vector<const Planner*> methods = named_methods(options.methods);
-  const std::vector<Problem> problems = load_all(options, context);
-
-  std::vector<Row> rows;
-  bool interrupted = false;
-  for (std::size_t i = 0; i < problems.size() && !interrupted; ++i)
-    interrupted = !add_rows(problems[i], options.problems[i], methods, options, context, rows);
-
+/// Prints the table. @returns the exit code.
+int conclude(const std::vector<Row>& rows, bool interrupted, const CompareOptions& options,
+             const Context& context) {
   if (options.csv || options.markdown) {
     const std::string table = options.csv ? as_csv(rows) : as_table(rows).markdown();
     if (!options.output.empty()) write_file(options.output, table);
@@ -332,6 +332,131 @@ int run(const CompareOptions& options, const Context& context) {
     }
   }
   return interrupted ? kStopped : kSolved;
+}
+
+/// Rows on their way from one process to another: what the table holds of them.
+std::string rows_text(const std::vector<Row>& rows) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Row& row : rows) {
+    nlohmann::json entry = {{"problem", row.problem}, {"method", row.method},
+                            {"exact", row.exact},     {"of_fleet", row.of_fleet},
+                            {"message", row.message}, {"makespan", row.makespan},
+                            {"travel", row.travel}};
+    if (row.result) {
+      const Statistics& counted = row.result->statistics;
+      entry["status"] = static_cast<int>(row.result->status);
+      entry["stop"] = static_cast<int>(row.result->stop);
+      if (row.has_plan()) entry["reward"] = row.result->reward;
+      if (row.bound()) entry["bound"] = *row.bound();
+      if (row.result->steps_allowed) entry["steps_allowed"] = *row.result->steps_allowed;
+      entry["seconds"] = counted.seconds;
+      entry["counters"] = {counted.states, counted.actions, counted.expanded, counted.generated,
+                           counted.pruned};
+    }
+    list.push_back(std::move(entry));
+  }
+  return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::vector<Row> rows_of(const std::string& text) {
+  std::vector<Row> rows;
+  for (const nlohmann::json& entry : nlohmann::json::parse(text)) {
+    Row row{.problem = entry.at("problem"),
+            .method = entry.at("method"),
+            .exact = entry.at("exact"),
+            .of_fleet = entry.at("of_fleet"),
+            .result = {},
+            .message = entry.at("message"),
+            .makespan = entry.at("makespan"),
+            .travel = entry.at("travel")};
+    if (entry.contains("status")) {
+      Result result;
+      result.status = static_cast<Status>(entry.at("status").get<int>());
+      result.stop = static_cast<Stop>(entry.at("stop").get<int>());
+      if (entry.contains("reward")) result.reward = entry.at("reward");
+      if (entry.contains("bound")) result.bound = entry.at("bound").get<double>();
+      if (entry.contains("steps_allowed"))
+        result.steps_allowed = entry.at("steps_allowed").get<std::size_t>();
+      const auto counters = entry.at("counters").get<std::array<std::uint64_t, 5>>();
+      result.statistics.seconds = entry.at("seconds");
+      result.statistics.states = counters[0];
+      result.statistics.actions = counters[1];
+      result.statistics.expanded = counters[2];
+      result.statistics.generated = counters[3];
+      result.statistics.pruned = counters[4];
+      row.result = std::move(result);
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// The problems as rank 0 reads them, for all ranks: each with its objective, or why it cannot have
+/// that.
+std::string asked_text(const CompareOptions& options, const Context& context) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Problem& written : load_all(options, context)) {
+    const Asked asked(written, options);
+    list.push_back({{"problem", problem_text(asked.problem)}, {"fault", asked.fault}});
+  }
+  return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// The problems are shared out as processes become free; rank 0 prints the one table.
+int compare_on_ranks(const CompareOptions& options, const Context& context) {
+  const std::vector<const Planner*> methods = named_methods(options.methods);
+  const std::stop_token stop = make_budget(options.limits).stop;
+  return on_ranks([&](Ranks& ranks) {
+    std::vector<Asked> asked;
+    const std::string text = made_at_rank_0(ranks, [&] { return asked_text(options, context); });
+    for (const nlohmann::json& entry : nlohmann::json::parse(text)) {
+      asked.emplace_back(parse_problem(entry.at("problem").get<std::string>()),
+                         entry.at("fault").get<std::string>());
+    }
+    const auto work = [&](std::size_t piece, const std::stop_token& stopping) {
+      const AdaptBudget adapt = [&](Budget& budget) {
+        budget.stop = stopping;
+        share_memory(ranks, options.limits.memory_limit.has_value(), budget);
+        if (!options.limits.threads) {
+          const auto near = static_cast<unsigned>(ranks.on_this_machine());
+          budget.threads = std::max(1U, budget.threads / near);
+        }
+      };
+      std::vector<Row> rows;
+      static_cast<void>(
+          add_rows(asked[piece], options.problems[piece], methods, options, context, adapt, rows));
+      return rows_text(rows);
+    };
+    const auto answers = share_out(ranks, asked.size(), work, stop);
+    if (ranks.rank() != 0) return static_cast<int>(kSolved);
+    std::vector<Row> rows;
+    bool interrupted = false;
+    for (const auto& answer : answers) {
+      interrupted = interrupted || !answer;
+      if (answer) std::ranges::move(rows_of(*answer), std::back_inserter(rows));
+    }
+    interrupted = interrupted || std::ranges::any_of(rows, [](const Row& row) {
+                    return row.result && row.result->stop == Stop::Cancelled;
+                  });
+    return conclude(rows, interrupted, options, context);
+  });
+}
+
+}  // namespace
+
+int run(const CompareOptions& options, const Context& context) {
+  if (std::ranges::count(std::array{options.json, options.csv, options.markdown}, true) > 1)
+    throw InputError("only one of --json, --csv and --markdown can be given");
+  if (among_ranks()) return compare_on_ranks(options, context);
+  const std::vector<const Planner*> methods = named_methods(options.methods);
+  const std::vector<Problem> problems = load_all(options, context);
+
+  std::vector<Row> rows;
+  bool interrupted = false;
+  for (std::size_t i = 0; i < problems.size() && !interrupted; ++i)
+    interrupted = !add_rows(Asked(problems[i], options), options.problems[i], methods, options,
+                            context, {}, rows);
+  return conclude(rows, interrupted, options, context);
 }
 
 CommandWork compare_command(CommandLine& line) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "cli/exit_codes.h"
+#include "cli/on_ranks.h"
 #include "cli/options/command_line.h"
 #include "cli/options/shared_options.h"
 #include "cli/output/plan_summary.h"
@@ -15,6 +16,9 @@
 #include "cli/output/step_table.h"
 #include "cli/output/text.h"
 #include "orasp/certificate/certificate.h"
+#include "orasp/cluster/cluster_a_star.h"
+#include "orasp/cluster/cluster_beam.h"
+#include "orasp/cluster/cluster_value_iteration.h"
 #include "orasp/explain/alternatives.h"
 #include "orasp/fleet/fleet_mip.h"
 #include "orasp/graph/graph_estimate.h"
@@ -22,6 +26,7 @@
 #include "orasp/io/certificate_json.h"
 #include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
+#include "orasp/io/problem_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/mip/mip.h"
 
@@ -168,9 +173,91 @@ Certified why_proved(const Problem& problem, const Result& result, const Budget&
   return certify(problem, result.sequence, stop);
 }
 
+/// Refuses what several processes do not share.
+void require_sense_of_ranks(const SolveOptions& options) {
+  const bool of_table = options.method == "value-iteration";
+  const bool of_a_star = options.method == "a-star";
+  if (!of_table && !of_a_star && options.method != "beam")
+    throw InputError(fmt::format(
+        "{} does its work in one process: start it without mpirun, or let several share it with "
+        "--method value-iteration, beam or a-star",
+        options.method));
+  const char* const lone = wants_other_plans(options)     ? "--count or --alternatives"
+                           : !options.write_model.empty() ? "--write-model"
+                           : !options.certificate.empty() ? "--certificate"
+                           : options.steps                ? "--steps"
+                           : (of_table || of_a_star) && options.limits.threads ? "--threads"
+                           : of_table && !options.of_method.empty() ? "an option of the method"
+                                                                    : nullptr;
+  if (lone != nullptr)
+    throw InputError(
+        fmt::format("{}: several processes do not share that with {}; start it without mpirun",
+                    lone, options.method));
+}
+
+/// The answer of several processes to one problem of one robot, on each.
+Result solved_on_ranks(const TransitionSystem& system, const SolveOptions& options,
+                       const Options& chosen, Budget& budget, Ranks& ranks) {
+  if (options.method == "value-iteration")
+    return cluster_value_iteration(system, {}, budget, ranks);
+  if (options.method == "a-star")
+    return cluster_a_star(system, {.bound = chosen.bound}, budget, ranks);
+  if (!options.limits.threads)
+    budget.threads = std::max(1U, budget.threads / static_cast<unsigned>(ranks.on_this_machine()));
+  return cluster_beam(system, {.bound = chosen.bound}, budget, ranks);
+}
+
+/// The answer of several processes, printed and written by rank 0.
+int solve_on_ranks(const SolveOptions& options, const Context& context) {
+  require_sense_of_ranks(options);
+  const Options chosen = options_from(options.method, options.of_method, "--");
+  Budget budget = make_budget(options.limits);
+  return on_ranks([&](Ranks& ranks) {
+    share_memory(ranks, options.limits.memory_limit.has_value(), budget);
+    // Rank 0 alone reads; the others get the problem from it, as a file would hold it.
+    std::string digest;
+    const std::string text = made_at_rank_0(ranks, [&] {
+      const Problem problem = load_problem(options.problem, options.changes, context);
+      digest = problem_digest(problem);
+      return problem_text(problem);
+    });
+    const Problem problem = parse_problem(text);
+    if (ranks.rank() == 0 && digest != problem_digest(problem))
+      throw std::logic_error("the problem changed on its way to the other ranks");
+    if (problem.objective().of_fleet())
+      throw InputError(options.method + " plans for one robot, and " + problem.objective().type +
+                       " is an objective of several");
+    const Task task(problem);
+    Result result;
+    {
+      ProgressLine progress(context, title(problem, options.problem) + ", " + options.method);
+      if (ranks.rank() == 0) progress.attach_to(budget);
+      const TransitionSystem system(problem);
+      result = solved_on_ranks(system, options, chosen, budget, ranks);
+      result.seed = options.seed;
+    }
+    if (ranks.rank() != 0) return static_cast<int>(kSolved);
+    require_honest(task, result);
+    const Alternatives none;
+    const std::string plan = options.json || !options.output.empty()
+                                 ? plan_text(task, result, settings_of(options), &none)
+                                 : std::string();
+    if (!options.output.empty()) {
+      if (result.has_plan()) {
+        write_file(options.output, plan);
+      } else {
+        context.warn("there is no plan, so " + options.output + " is not written");
+      }
+    }
+    context.print(options.json ? plan : summary(task, result, none, options, context));
+    return exit_code(result);
+  });
+}
+
 }  // namespace
 
 int run(const SolveOptions& options, const Context& context) {
+  if (among_ranks()) return solve_on_ranks(options, context);
   const Planner& planner = find_planner(options.method);
   refuse_idle_options(options);
   Options chosen = options_from(options.method, options.of_method, "--");

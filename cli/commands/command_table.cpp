@@ -23,13 +23,13 @@ namespace orasp::cli {
 namespace {
 
 constexpr std::array<Command, 16> kCommands = {{
-    {"solve", "find a plan", solve_command},
+    {"solve", "find a plan", solve_command, true},
     {"graph", "size and drawing of the state-action graph", graph_command},
     {"evaluate", "replay a plan: reward, broken rules", evaluate_command},
     {"check", "whether a certificate proves that no plan is better", check_command},
     {"explain", "why there is no plan, or why a connection cannot go first", explain_command},
     {"replan", "the best plan from where the work stands", replan_command},
-    {"compare", "several methods on several problems, one table", compare_command},
+    {"compare", "several methods on several problems, one table", compare_command, true},
     {"sample", "rewards of random sequences", sample_command},
     {"simulate", "run a plan or a policy against random failures", simulate_command},
     {"train", "learn a policy by deep Q-learning", train_command},

@@ -13,6 +13,8 @@ struct Command {
   const char* summary;
   /// Declares its arguments and options. @returns what runs it once they are read.
   CommandWork (*declare)(CommandLine& line);
+  /// Whether several processes share its work where mpirun starts them.
+  bool shares = false;
 };
 
 /// All commands, in the order of the help. The one table: the program, its help and the completion

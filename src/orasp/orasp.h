@@ -58,15 +58,20 @@
 ///     orasp::write_figures(problem, {.plan = result.sequence}, "figures", {});
 ///
 /// Folders: model (problem, rules), task (budget, result), bounds, graph (H), planners (one method
-/// a pair of files), mip, explain, execution (replanning), learning, fleet, geometry (CAD), io
-/// (files), drawing, report, catalogue (all planners by name). Errors: InputError, and nothing else
-/// is thrown on purpose. Units: kg, m, s; geometry: mm.
+/// a pair of files), cluster (several processes), mip, explain, execution (replanning), learning,
+/// fleet, geometry (CAD), io (files), drawing, report, catalogue (all planners by name). Errors:
+/// InputError, and nothing else is thrown on purpose. Units: kg, m, s; geometry: mm.
 
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/bounds/connection_bound.h"
 #include "orasp/bounds/piece_bound.h"
 #include "orasp/catalogue.h"
 #include "orasp/certificate/certificate.h"
+#include "orasp/cluster/cluster_a_star.h"
+#include "orasp/cluster/cluster_beam.h"
+#include "orasp/cluster/cluster_value_iteration.h"
+#include "orasp/cluster/ranks.h"
+#include "orasp/cluster/share_out.h"
 #include "orasp/drawing/document.h"
 #include "orasp/drawing/figures.h"
 #include "orasp/execution/plan_changes.h"

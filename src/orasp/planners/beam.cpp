@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <type_traits>
 #include <vector>
 
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/crew.h"
 #include "orasp/planners/detail/order_search.h"
 #include "orasp/planners/detail/step_in_front.h"
 #include "orasp/planners/detail/wide_search.h"
@@ -32,9 +36,11 @@ class BeamSearch {
         budget_(budget),
         words_(system.words()),
         allowed_(allowed_bytes(budget)),
-        symmetry_use_(options.symmetry),
+        // Copies that share the work would have to turn to it at the same moment.
+        symmetry_use_(options.crew == nullptr ? options.symmetry : SymmetryUse::Off),
         result_(result),
         workers_(std::max(1U, budget.threads)),
+        crew_(options.crew),
         proved_(options.most) {
     for (Worker& worker : workers_) {
       worker.expander = std::make_unique<Expander>(system);
@@ -107,8 +113,24 @@ class BeamSearch {
   // Where rewards depend on when steps come, moves the steps of a new plan about.
   void improve_order() {
     if (!orders_ || result_.reward == improved_) return;
-    orders_->improve(budget_, kOrderRounds, result_);
+    if (crew_ == nullptr || crew_->member() == 0) orders_->improve(budget_, kOrderRounds, result_);
+    if (crew_ != nullptr) take_plan_of_first();
     improved_ = result_.reward;
+  }
+
+  // The first member's plan, for all of the crew: it was improved against a clock.
+  void take_plan_of_first() {
+    std::string mine(sizeof(double), '\0');
+    std::memcpy(mine.data(), &result_.reward, sizeof(double));
+    mine += result_.has_plan() ? '+' : '-';
+    for (const ConnectionIndex c : result_.sequence)
+      mine.append(reinterpret_cast<const char*>(&c), sizeof c);
+    const std::string first = crew_->told_by_all(mine).front();
+    std::memcpy(&result_.reward, first.data(), sizeof(double));
+    if (first[sizeof(double)] == '+' && !result_.has_plan()) result_.status = Status::Feasible;
+    constexpr std::size_t kHead = sizeof(double) + 1;
+    result_.sequence.resize((first.size() - kHead) / sizeof(ConnectionIndex));
+    std::memcpy(result_.sequence.data(), first.data() + kHead, first.size() - kHead);
   }
 
   /// A state of the next layer: the state `parent` of this layer less `connection`, or the one that
@@ -231,20 +253,19 @@ class BeamSearch {
     for (std::size_t begin = 0; begin < size; begin += chunk) {
       const std::size_t survivors_before = survivors_.size();
       const std::size_t end = std::min(size, begin + chunk);
-      const std::size_t used = end - begin < 4 * threads ? 1 : threads;
+      const detail::Share mine =
+          crew_ == nullptr ? detail::Share{0, end - begin}
+                           : detail::share_of(end - begin, crew_->size(), crew_->member());
+      const std::size_t mine_size = mine.end - mine.begin;
+      const std::size_t used = mine_size < 4 * threads ? 1 : threads;
       detail::run_parallel(used, [&](std::size_t t) {
-        const detail::Share share = detail::share_of(end - begin, used, t);
-        work(workers_[t], begin + share.begin, begin + share.end, last);
+        const detail::Share share = detail::share_of(mine_size, used, t);
+        work(workers_[t], begin + mine.begin + share.begin, begin + mine.begin + share.end, last);
       });
-      for (std::size_t t = 0; t < used; ++t) {
-        Worker& worker = workers_[t];
-        result_.statistics.expanded += worker.expanded;
-        result_.statistics.generated += worker.generated;
-        result_.statistics.pruned += worker.pruned;
-        worker.expanded = worker.generated = worker.pruned = 0;
-        if (result_.stop == Stop::None) result_.stop = worker.stop;
-        for (const Candidate& candidate : worker.found) merge(candidate);
-        worker.found.clear();
+      if (crew_ != nullptr) {
+        merge_all_of_crew(used);
+      } else {
+        merge_all(used);
       }
       grew_by_ = survivors_.size() - survivors_before;
       if (survivors_.size() > 2 * width) left_out = std::max(left_out, cut_down(width));
@@ -253,6 +274,60 @@ class BeamSearch {
     }
     if (survivors_.size() > width) left_out = std::max(left_out, cut_down(width));
     return left_out;
+  }
+
+  // Takes over what the workers found, in the order of the layer.
+  void merge_all(std::size_t workers) {
+    for (std::size_t t = 0; t < workers; ++t) {
+      Worker& worker = workers_[t];
+      result_.statistics.expanded += worker.expanded;
+      result_.statistics.generated += worker.generated;
+      result_.statistics.pruned += worker.pruned;
+      worker.expanded = worker.generated = worker.pruned = 0;
+      if (result_.stop == Stop::None) result_.stop = worker.stop;
+      for (const Candidate& candidate : worker.found) merge(candidate);
+      worker.found.clear();
+    }
+  }
+
+  /// What a member of the crew counted in its share of a chunk, and why it has to stop.
+  struct CrewHead {
+    std::uint64_t expanded = 0;
+    std::uint64_t generated = 0;
+    std::uint64_t pruned = 0;
+    Stop stop = Stop::None;
+  };
+  // The same for what all members found, whose shares follow each other as those of threads do. A
+  // stop of any of them is one of all, at this place.
+  void merge_all_of_crew(std::size_t workers) {
+    static_assert(std::is_trivially_copyable_v<Candidate>);
+    CrewHead head;
+    head.stop = own_stop_;
+    std::string mine(sizeof head, '\0');
+    for (std::size_t t = 0; t < workers; ++t) {
+      Worker& worker = workers_[t];
+      head.expanded += worker.expanded;
+      head.generated += worker.generated;
+      head.pruned += worker.pruned;
+      worker.expanded = worker.generated = worker.pruned = 0;
+      if (head.stop == Stop::None) head.stop = worker.stop;
+      mine.append(reinterpret_cast<const char*>(worker.found.data()),
+                  worker.found.size() * sizeof(Candidate));
+      worker.found.clear();
+    }
+    std::memcpy(mine.data(), &head, sizeof head);
+    for (const std::string& told : crew_->told_by_all(mine)) {
+      std::memcpy(&head, told.data(), sizeof head);
+      result_.statistics.expanded += head.expanded;
+      result_.statistics.generated += head.generated;
+      result_.statistics.pruned += head.pruned;
+      if (result_.stop == Stop::None) result_.stop = head.stop;
+      for (std::size_t at = sizeof head; at < told.size(); at += sizeof(Candidate)) {
+        Candidate candidate;
+        std::memcpy(&candidate, told.data() + at, sizeof candidate);
+        merge(candidate);
+      }
+    }
   }
 
   void work(Worker& worker, std::size_t begin, std::size_t end, bool last) {
@@ -392,8 +467,10 @@ class BeamSearch {
                          bytes_with(next_.states, next * words_) + layer_.states.capacity() * 8 +
                          (layer_.size() + next_.rewards.capacity() + next) * 24;
     for (const Worker& worker : workers_) soon += worker.found.capacity() * sizeof(Candidate);
-    if (result_.stop == Stop::None)
-      result_.stop =
+    // A member of a crew tells the others, and all stop after the next chunk.
+    Stop& stop = crew_ != nullptr ? own_stop_ : result_.stop;
+    if (stop == Stop::None)
+      stop =
           soon > allowed_ ? Stop::MemoryLimit : budget_.expired(soon, result_.statistics.expanded);
     budget_.report({.phase = "pass",
                     .done = result_.statistics.sweeps,
@@ -416,6 +493,9 @@ class BeamSearch {
   std::vector<std::uint64_t> other_;
   Result& result_;
   std::vector<Worker> workers_;
+  detail::Crew* crew_;
+  /// Why this member of the crew has to stop.
+  Stop own_stop_ = Stop::None;
   bool bounded_ = false;
   bool done_ = false;
   /// Where rewards depend on when steps come; and the reward of the last plan that it improved.

@@ -9,6 +9,10 @@
 
 namespace orasp {
 
+namespace detail {
+class Crew;
+}
+
 struct BeamOptions {
   BoundKind bound = BoundKind::Best;
   /// A plan to start from; it must outlive the call.
@@ -16,6 +20,8 @@ struct BeamOptions {
   /// A bound on what any plan earns that is proved already.
   double most = kInfinity;
   SymmetryUse symmetry = SymmetryUse::Off;
+  /// Copies of this search that share its work (planners/detail/crew.h); null where it is alone.
+  detail::Crew* crew = nullptr;
 };
 
 /// Finds better and better plans by complete anytime beam search, of any objective and at any size.
@@ -42,7 +48,8 @@ struct BeamOptions {
 ///             the layer's states.
 /// Limit.      Memory, by budget.max_bytes.
 /// Repeatable. The same for any number of threads: a layer's states are expanded in parallel and
-/// merged in order.
+/// merged in order. The same for any crew, of which each member holds the layers and expands a
+/// share of their states.
 [[nodiscard]] Result beam(const TransitionSystem& system, const BeamOptions& options,
                           const Budget& budget);
 

@@ -17,6 +17,7 @@
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/model/error.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/dense_sizes.h"
 #include "orasp/planners/detail/forest_blocks.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
@@ -234,72 +235,18 @@ void roll_out(const TransitionSystem& system, const Numbers& numbers,
   }
 }
 
-/// The greatest sizes of rewards: of any step, and of the step that completes.
-struct Sizes {
-  double step = 0;
-  double last = 0;
-};
-
-/// The greatest sizes as TransitionSystem::reward_range tells them; empty where it does not.
-std::optional<Sizes> known_sizes(const TransitionSystem& system) {
-  const std::size_t n = system.num_connections();
-  Sizes sizes;
-  for (ConnectionIndex c = 0; c < n; ++c) {
-    for (const bool completes : {false, true}) {
-      const RewardRange range = system.reward_range(c, n, completes);
-      double& size = completes ? sizes.last : sizes.step;
-      size = std::max({size, std::abs(range.least), std::abs(range.greatest)});
-    }
-  }
-  if (!std::isfinite(sizes.step) || !std::isfinite(sizes.last)) return std::nullopt;
-  return sizes;
-}
-
-/// A guess where they are not known: twice what is met on the way of the greedy plan.
-Sizes sampled_sizes(const TransitionSystem& system) {
-  Expander expander(system);
-  double most = 0;
-  for (Mask mask = bit(system.num_connections()) - 1; mask != 0;) {
-    const auto actions = expander.legal_actions(SetView(&mask, 1));
-    if (actions.empty()) break;
-    for (const Action& action : actions) most = std::max(most, std::abs(action.reward));
-    mask ^= bit(std::ranges::max_element(actions, {}, &Action::reward)->connection);
-  }
-  if (most == 0) most = 1;
-  return {2 * most, 2 * most};
-}
-
 /// Writes the plan and what is proved of it to `result`. `error` is the greatest rounding error of
 /// a step.
 template <class Numbers>
 void conclude(const TransitionSystem& system, const Numbers& numbers,
               const typename Numbers::Value* values, double error, Result& result) {
-  const std::size_t n = system.num_connections();
-  const auto start = values[bit(n) - 1];
+  const auto start = values[bit(system.num_connections()) - 1];
   if (start == Numbers::kNever) {
     result = detail::exhausted(kMethod, result.statistics);
     return;
   }
   roll_out(system, numbers, values, result);
-  result.status = Status::Optimal;
-  result.bound = result.reward;
-  if constexpr (std::is_same_v<Numbers, FixedPoint>) {
-    const auto steps = static_cast<double>(n);
-    const double most = numbers.value(start) + steps * error;
-    const double rounding = steps * std::numeric_limits<double>::epsilon() *
-                            (steps * numbers.most_step + numbers.most_last);
-    std::string unit = "1e" + std::to_string(std::lround(-std::log10(numbers.per_unit)));
-    if (!std::isfinite(rounding) || most - result.reward > kRewardTolerance + rounding) {
-      result.status = Status::Feasible;
-      if (std::isfinite(most)) {
-        result.bound = most;
-      } else {
-        result.bound.reset();
-      }
-      result.notes.push_back("values were rounded to multiples of " + unit +
-                             ", to hold them in four bytes each; the bound allows for it");
-    }
-  }
+  detail::judge_dense(numbers, system.num_connections(), start, error, result);
 }
 
 template <class Numbers>
@@ -324,8 +271,7 @@ void solve_in_fixed_point(const TransitionSystem& system, const Budget& budget,
   Values<FixedPoint> values;
   values.reserve(bit(system.num_connections()));
   values.resize(bit(system.num_connections()));
-  const auto known = known_sizes(system);
-  Sizes sizes = known ? *known : sampled_sizes(system);
+  detail::RewardSizes sizes = detail::reward_sizes(system);
   // Where a reward turns out too large for its number system, all begins again with ten, a hundred,
   // ten thousand times the size. So the sizes do not depend on which thread met the large reward.
   for (double factor = 10;; factor *= factor) {

@@ -93,7 +93,12 @@ class ForestBlocks {
 
   /// Works out the masks from `first` to first + size - 1, ascending; both are multiples of 32.
   void work_out(Mask first, Mask size, Value* values) {
-    for (Mask mask = first; mask < first + size; mask += kLanes) work_out(mask, values);
+    work_out_at(first, size, [values](Mask mask) { return values + mask; });
+  }
+  /// The same where at(mask) points to the value of a mask, with those of the lanes beside it.
+  template <class At>
+  void work_out_at(Mask first, Mask size, At at) {
+    for (Mask mask = first; mask < first + size; mask += kLanes) work_out_lanes(mask, at);
   }
 
  private:
@@ -106,7 +111,8 @@ class ForestBlocks {
     for (std::size_t l = 0; l < kLanes; ++l) rewards[l] = table[places[l]];
   }
 
-  void work_out(Mask high, Value* values) {
+  template <class At>
+  void work_out_lanes(Mask high, At at) {
     measure(high);
     std::array<Value, kLanes> best;
     best.fill(Numbers::kNever);
@@ -133,7 +139,7 @@ class ForestBlocks {
         look_up(table, places, low_rewards[edge.connection]);
         continue;
       }
-      const Value* const left = values + (high ^ bit(edge.connection));
+      const Value* const left = at(high ^ bit(edge.connection));
       std::array<Value, kLanes> rewards;
       look_up(table, places, rewards);
       for (std::size_t l = 0; l < kLanes; ++l) {
@@ -145,7 +151,7 @@ class ForestBlocks {
       if (c < kLaneBits) {
         low_rewards[c].fill(loop_reward_);
       } else if ((high & bit(c)) != 0) {
-        const Value* const left = values + (high ^ bit(c));
+        const Value* const left = at(high ^ bit(c));
         for (std::size_t l = 0; l < kLanes; ++l) {
           best[l] = std::max<Value>(best[l], loop_reward_ + left[l]);
         }
@@ -167,7 +173,7 @@ class ForestBlocks {
         }
       }
     }
-    std::ranges::copy(best, values + high);
+    std::ranges::copy(best, at(high));
   }
 
   // Counts the parts below each edge, and then the parts of the piece that each slot belongs to.
