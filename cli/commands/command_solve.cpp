@@ -229,9 +229,8 @@ int run(const SolveOptions& options, const Context& context) {
       system.emplace(problem);
       require_graph_for_other_plans(*system, options, budget);
     }
-    result = graph_policy
-                 ? follow(*graph_policy, task, budget)
-                 : solve(task, planner.name, chosen, budget);
+    result = graph_policy ? follow(*graph_policy, task, budget)
+                          : solve(task, planner.name, chosen, budget);
     if (system)
       alternatives = find_alternatives(*system, options.count, options.alternatives, budget);
     if (!options.certificate.empty()) certified = why_proved(problem, result, budget);

@@ -50,14 +50,14 @@ class Log {
   }
   void write(const TrainingRecord& record) {
     write(Json{{"episodes", record.episodes},
-                       {"updates", record.updates},
-                       {"epsilon", record.epsilon},
-                       {"loss", record.loss},
-                       {"greedy", number_or_null(record.greedy)},
-                       {"best_greedy", number_or_null(record.best_greedy)},
-                       {"best", number_or_null(record.best)},
-                       {"bound", number_or_null(record.bound)},
-                       {"seconds", record.seconds}});
+               {"updates", record.updates},
+               {"epsilon", record.epsilon},
+               {"loss", record.loss},
+               {"greedy", number_or_null(record.greedy)},
+               {"best_greedy", number_or_null(record.best_greedy)},
+               {"best", number_or_null(record.best)},
+               {"bound", number_or_null(record.bound)},
+               {"seconds", record.seconds}});
   }
   void write(const Json& line) {
     if (!stream_) return;
@@ -217,9 +217,9 @@ int run_together(const TrainOptions& options, const Context& context) {
   if (best.states == 0) {
     context.warn("nothing was learned: no state of the problems has a choice that was settled");
   } else if (!options.policy.empty()) {
-    write_file(options.policy, graph_policy_bytes({.kind = *kind,
-                                                   .seed = imitation.seed,
-                                                   .policy = learned.policy}));
+    write_file(
+        options.policy,
+        graph_policy_bytes({.kind = *kind, .seed = imitation.seed, .policy = learned.policy}));
   }
   Json document = as_json(best);
   document["seed"] = imitation.seed;

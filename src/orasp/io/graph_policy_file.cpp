@@ -131,8 +131,8 @@ void require_kind(const Problem& problem, const ProblemKind& kind, std::string_v
         fmt::format("{} was trained for {}, not for {}", file, kind.direction, mine.direction));
   for (const std::string& key : mine.keys) {
     if (!kind.keys.contains(key))
-      throw InputError(fmt::format(
-          "{} was trained on problems without {}, and this problem has it", file, key));
+      throw InputError(
+          fmt::format("{} was trained on problems without {}, and this problem has it", file, key));
   }
 }
 

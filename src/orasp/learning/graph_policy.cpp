@@ -168,11 +168,10 @@ Pieces pieces_of(const GraphState::Edges& edges) {
       pieces.piece[q] = p;
       pieces.size[q] = static_cast<std::uint32_t>(order.size());
     }
-    std::ranges::stable_sort(
-        order, {}, [&](std::uint32_t q) { return std::pair(one[q] - other[q], q); });
+    std::ranges::stable_sort(order, {},
+                             [&](std::uint32_t q) { return std::pair(one[q] - other[q], q); });
     for (std::size_t i = 0; i < order.size(); ++i)
-      pieces.rank[order[i]] =
-          (static_cast<float>(i) + 0.5F) / static_cast<float>(order.size());
+      pieces.rank[order[i]] = (static_cast<float>(i) + 0.5F) / static_cast<float>(order.size());
   }
   return pieces;
 }
@@ -237,15 +236,14 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
   state.parts.reserve(parts * kPart);
   for (std::size_t p = 0; p < parts; ++p) {
     const auto degree = static_cast<float>(state.connected.begin[p + 1] - state.connected.begin[p]);
-    const float mass =
-        ratio(problem.parts()[p].mass * static_cast<double>(parts), total_mass_);
+    const float mass = ratio(problem.parts()[p].mass * static_cast<double>(parts), total_mass_);
     const bool base = problem.in_base(static_cast<PartIndex>(p));
     const std::array<float, kPart> features = {
         std::min(mass, 8.0F),
         0.25F * degree,
         degrees_[p] > 0 ? degree / degrees_[p] : 0.0F,
         base ? 1.0F : 0.0F,
-        ratio(std::size_t{there.size[p]}, parts),
+        there.size[p] == 1 ? 1.0F : 0.0F,
         0.125F * static_cast<float>(std::log2(there.size[p])),
         std::abs(ranks.rank[p] - 0.5F),
         std::min(blockers[p], 4.0F),
@@ -285,11 +283,20 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
     for (const ConnectionIndex c : clause.after) waiting[c] += 0.25F;
   }
 
+  // How even the most even cut of each piece is.
+  std::vector<Step> steps;
+  std::vector<std::size_t> most_even(parts);
+  const auto small_of = [](const Step& step) { return std::min(step.a.size(), step.b.size()); };
+  for (const Action& action : actions) {
+    steps.push_back(expander_.step(open, action.connection));
+    std::size_t& most = most_even[ranks.piece[problem.ends(action.connection)[0]]];
+    most = std::max(most, small_of(steps.back()));
+  }
   state.actions.reserve(actions.size() * kAction);
   std::vector<bool> beside(parts);
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const ConnectionIndex c = actions[i].connection;
-    const Step step = expander_.step(open, c);
+    const Step& step = steps[i];
     const auto p = static_cast<std::size_t>(problem.ends(c)[0]);
     const auto q = static_cast<std::size_t>(problem.ends(c)[1]);
     state.ends.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q)});
@@ -302,7 +309,8 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
     for (const std::uint32_t n : neighbours(p)) beside[n] = true;
     for (const std::uint32_t n : neighbours(q)) triangles += beside[n] ? 1U : 0U;
     for (const std::uint32_t n : neighbours(p)) beside[n] = false;
-    const std::size_t small = std::min(step.a.size(), step.b.size());
+    const std::size_t small = small_of(step);
+    const std::size_t most = most_even[ranks.piece[p]];
     const std::size_t large = std::max(step.a.size(), step.b.size());
     const float one = ranks.rank[p];
     const float other = ranks.rank[q];
@@ -313,12 +321,12 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
         now == 0 ? 1.0F : 0.0F,
         std::clamp(ratio(actions[i].reward, scale_), -4.0F, 4.0F),
         step.separates ? 1.0F : 0.0F,
-        ratio(small, parts),
-        ratio(large, parts),
+        ratio(small, most),
+        step.separates && small == most ? 1.0F : 0.0F,
         ratio(small, small + large),
         ratio(step.moved_mass, step.moved_mass + step.kept_mass),
         small == 1 ? 1.0F : 0.0F,
-        ratio(std::size_t{ranks.size[p]}, parts),
+        0.125F * static_cast<float>(std::log2(ranks.size[p])),
         (one < 0.5F) != (other < 0.5F) ? 1.0F : 0.0F,
         std::abs(0.5F * (one + other) - 0.5F),
         ratio(num_open, problem.num_connections()),
@@ -326,7 +334,7 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
         0.25F * static_cast<float>(std::min(neighbours(p).size(), neighbours(q).size())),
         step.completes ? 1.0F : 0.0F,
         0.25F * static_cast<float>(triangles),
-        ratio(step.subassemblies, parts),
+        0.125F * static_cast<float>(std::log2(1 + large)),
         0.125F * static_cast<float>(std::log2(1 + small)),
         next,
         next == 0 ? 1.0F : 0.0F,
@@ -405,8 +413,7 @@ std::span<const float> GraphNetwork::worth(const GraphPolicy& policy, const Grap
   rectify(head_);
   worth_.assign(actions, 0.0F);
   for (std::size_t i = 0; i < actions; ++i) {
-    for (std::size_t o = 0; o < kHidden; ++o)
-      worth_[i] += head_[i * kHidden + o] * w[kHeadOut + o];
+    for (std::size_t o = 0; o < kHidden; ++o) worth_[i] += head_[i * kHidden + o] * w[kHeadOut + o];
     for (std::size_t f = 0; f < kAction; ++f)
       worth_[i] += state.actions[i * kAction + f] * w[kDirect + f];
   }

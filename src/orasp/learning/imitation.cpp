@@ -15,7 +15,8 @@ namespace orasp {
 
 namespace {
 
-constexpr std::uint64_t kLabelExpansions = 50'000;
+constexpr std::uint64_t kLabelExpansions = 10'000;
+constexpr std::uint64_t kLabelBytes = 64U << 20U;
 constexpr std::size_t kMostWalks = 64;
 constexpr std::size_t kBatch = 16;
 
@@ -25,6 +26,7 @@ class Oracle {
   Oracle(const TransitionSystem& system, const Budget& budget) : system_(system), budget_(budget) {
     budget_.threads = 1;
     budget_.max_expansions = kLabelExpansions;
+    budget_.max_bytes = std::min(budget_.max_bytes, kLabelBytes);
   }
   /// -infinity at a dead end; nothing where it was not settled.
   std::optional<double> value(const ConnectionSet& open) {
@@ -85,8 +87,8 @@ class Adam {
       const double g = gradient[i];
       first_[i] = kFirst * first_[i] + (1 - kFirst) * g;
       second_[i] = kSecond * second_[i] + (1 - kSecond) * g * g;
-      const double move = first_[i] / (1 - first_power_) /
-                          (std::sqrt(second_[i] / (1 - second_power_)) + 1e-8);
+      const double move =
+          first_[i] / (1 - first_power_) / (std::sqrt(second_[i] / (1 - second_power_)) + 1e-8);
       weights[i] -= static_cast<float>(rate_ * (move + 0.01 * weights[i]));
     }
   }
@@ -113,6 +115,7 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
   GraphObserver observer(system);
   Oracle oracle(system, budget);
   double greatest = 0;
+  std::size_t too_many = std::numeric_limits<std::size_t>::max();  // open, for the engine
   // So that few states of a long plan are spread over it.
   const double chance =
       std::min(1.0, 3.0 * static_cast<double>(states) /
@@ -123,12 +126,13 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
       const auto legal = expander.legal_actions(open.view());
       const std::vector<Action> actions(legal.begin(), legal.end());
       if (actions.empty()) break;
-      const bool asks = actions.size() > 1 && (open == system.start() || random.uniform() < chance);
+      const bool wants = open == system.start() || random.uniform() < chance;
+      const bool asks = wants && actions.size() > 1 && open.size() < too_many;
       const double kind = random.uniform();
       std::size_t next = random.below(actions.size());
       if (kind < 0.25) {
-        next = static_cast<std::size_t>(
-            std::ranges::max_element(actions, {}, &Action::reward) - actions.begin());
+        next = static_cast<std::size_t>(std::ranges::max_element(actions, {}, &Action::reward) -
+                                        actions.begin());
       }
       if (asks) {
         std::vector<double> values;
@@ -142,6 +146,7 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
         const bool settled = values.size() == actions.size();
         const double best = settled ? std::ranges::max(values) : -kInfinity;
         if (best == -kInfinity && settled) break;  // no plan from here
+        if (!settled) too_many = open.size();
         if (settled) {
           LabelledState one{observer.observe(open.view(), actions), {}};
           const double slack = kRewardTolerance * std::max(1.0, std::abs(best));
@@ -162,16 +167,14 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
   }
   for (LabelledState& one : labelled) {
     for (float& loss : one.loss) {
-      if (loss > 0)
-        loss = std::isfinite(loss) ? static_cast<float>(double{loss} / greatest) : 1.0F;
+      if (loss > 0) loss = std::isfinite(loss) ? static_cast<float>(double{loss} / greatest) : 1.0F;
     }
   }
   return labelled;
 }
 
-Imitation imitate(std::span<const TransitionSystem* const> systems,
-                  const ImitationOptions& options, const Budget& budget,
-                  const std::function<void(const ImitationRecord&)>& log) {
+Imitation imitate(std::span<const TransitionSystem* const> systems, const ImitationOptions& options,
+                  const Budget& budget, const std::function<void(const ImitationRecord&)>& log) {
   for (const TransitionSystem* system : systems) {
     if (const auto reason = graph_policy_obstacle(*system)) throw Refusal("train", *reason);
   }
@@ -215,8 +218,7 @@ Imitation imitate(std::span<const TransitionSystem* const> systems,
     for (const LabelledState& one : exam) {
       const std::span<const float> worth = network.worth(policy, one.state);
       record.held_out_loss += share * loss_of(one, worth, slope);
-      const auto chosen =
-          static_cast<std::size_t>(std::ranges::max_element(worth) - worth.begin());
+      const auto chosen = static_cast<std::size_t>(std::ranges::max_element(worth) - worth.begin());
       if (one.loss[chosen] == 0) record.held_out_right += share;
     }
     record.seconds = watch.seconds();
