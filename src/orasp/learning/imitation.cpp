@@ -15,10 +15,17 @@ namespace orasp {
 
 namespace {
 
-constexpr std::uint64_t kLabelExpansions = 10'000;
+constexpr std::uint64_t kLabelExpansions = 3'000;
 constexpr std::uint64_t kLabelBytes = 64U << 20U;
+constexpr std::size_t kMostUnsettled = 16;
+constexpr double kLeastGain = 1e-4;  // of the loss held out, to go on
 constexpr std::size_t kMostWalks = 64;
 constexpr std::size_t kBatch = 16;
+
+struct Answer {
+  std::optional<double> value;
+  double most = 0;
+};
 
 /// What is still to be earned from a state, by the engine; remembers what it was asked.
 class Oracle {
@@ -28,9 +35,9 @@ class Oracle {
     budget_.max_expansions = kLabelExpansions;
     budget_.max_bytes = std::min(budget_.max_bytes, kLabelBytes);
   }
-  /// -infinity at a dead end; nothing where it was not settled.
-  std::optional<double> value(const ConnectionSet& open) {
-    if (open.empty()) return 0.0;
+  /// -infinity at a dead end; where it was not settled no value, and what it is at most.
+  Answer value(const ConnectionSet& open) {
+    if (open.empty()) return {0.0, 0.0};
     const std::vector<std::uint64_t> key(open.view().begin(), open.view().end());
     const auto known = values_.find(key);
     if (known != values_.end()) return known->second;
@@ -38,17 +45,21 @@ class Oracle {
     here.open = open;
     const TransitionSystem rest(system_.problem(), here);
     const Result result = automatic(rest, 0, budget_);
-    std::optional<double> value;
-    if (result.status == Status::Optimal) value = result.reward;
-    if (result.status == Status::Infeasible) value = -kInfinity;
-    values_.emplace(key, value);
-    return value;
+    Answer answer{std::nullopt, kInfinity};
+    if (result.status == Status::Optimal)
+      answer = {result.reward, result.reward};
+    else if (result.status == Status::Infeasible)
+      answer = {-kInfinity, -kInfinity};
+    else if (result.bound)
+      answer.most = *result.bound;
+    values_.emplace(key, answer);
+    return answer;
   }
 
  private:
   const TransitionSystem& system_;
   Budget budget_;
-  std::map<std::vector<std::uint64_t>, std::optional<double>> values_;
+  std::map<std::vector<std::uint64_t>, Answer> values_;
 };
 
 /// -log of the softmax's share of the optimal actions, plus the mean loss; writes its slopes.
@@ -115,6 +126,7 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
   GraphObserver observer(system);
   Oracle oracle(system, budget);
   double greatest = 0;
+  std::size_t unsettled = 0;
   std::size_t too_many = std::numeric_limits<std::size_t>::max();  // open, for the engine
   // So that few states of a long plan are spread over it.
   const double chance =
@@ -135,21 +147,26 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
                                         actions.begin());
       }
       if (asks) {
+        // An action that was not settled but is bounded below the best is known to lose.
         std::vector<double> values;
+        double best = -kInfinity;
+        double open_end = -kInfinity;
         for (const Action& action : actions) {
           ConnectionSet after = open;
           after.erase(action.connection);
-          const std::optional<double> rest = oracle.value(after);
-          if (!rest) break;
-          values.push_back(action.reward + *rest);
+          const Answer rest = oracle.value(after);
+          values.push_back(action.reward + rest.most);
+          double& known = rest.value ? best : open_end;
+          known = std::max(known, values.back());
+          if (values.back() == kInfinity) break;
         }
-        const bool settled = values.size() == actions.size();
-        const double best = settled ? std::ranges::max(values) : -kInfinity;
+        const double slack =
+            std::isfinite(best) ? kRewardTolerance * std::max(1.0, std::abs(best)) : 0.0;
+        const bool settled = open_end == -kInfinity || open_end < best - slack;
         if (best == -kInfinity && settled) break;  // no plan from here
-        if (!settled) too_many = open.size();
+        if (!settled && ++unsettled >= kMostUnsettled) too_many = std::min(too_many, open.size());
         if (settled) {
           LabelledState one{observer.observe(open.view(), actions), {}};
-          const double slack = kRewardTolerance * std::max(1.0, std::abs(best));
           bool choice = false;
           for (const double value : values) {
             const double loss = best - value <= slack ? 0.0 : best - value;
@@ -247,7 +264,7 @@ Imitation imitate(std::span<const TransitionSystem* const> systems, const Imitat
     }
     if (outcome.stop != Stop::None) break;
     examine();
-    if (record.held_out_loss < outcome.best.held_out_loss) {
+    if (record.held_out_loss < outcome.best.held_out_loss - kLeastGain) {
       outcome.best = record;
       outcome.policy = policy;
     }

@@ -53,9 +53,9 @@ struct Imitation {
 };
 
 /// States of a problem with what the engine proves of them: half of the walks' steps are optimal, a
-/// quarter greedy, a quarter random, so that states on and off the best path are seen. Where
-/// a fixed number of expansions settles nothing, only states with fewer open connections are asked
-/// about from then on. The same for the same
+/// quarter greedy, a quarter random, so that states on and off the best path are seen. States
+/// that a fixed number of expansions does not settle are left out; after several of them only
+/// smaller ones are asked about. The same for the same
 /// seed.
 [[nodiscard]] std::vector<LabelledState> label_states(const TransitionSystem& system,
                                                       std::size_t states, std::uint64_t seed,
