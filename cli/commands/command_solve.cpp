@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,6 +26,7 @@
 #include "orasp/graph/graph_estimate.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/certificate_json.h"
+#include "orasp/io/graph_policy_file.h"
 #include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/problem_json.h"
@@ -46,6 +49,31 @@ void refuse_idle_options(const SolveOptions& options) {
                                                           : nullptr;
   if (idle != nullptr)
     throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
+}
+
+/// The policy of the file if it is one for many products (`orasp train --problems`).
+/// @throws InputError where it is damaged or for problems of another kind.
+std::optional<GraphPolicy> read_graph_policy(const std::string& file, const Problem& problem) {
+  const std::string bytes = read_text(file);
+  if (!is_graph_policy(bytes)) return std::nullopt;
+  GraphPolicyFile read;
+  try {
+    read = parse_graph_policy(bytes);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+  require_kind(problem, read.kind, file);
+  return std::move(read.policy);
+}
+
+/// What solve() does with the methods of the catalogue, with a policy for many products.
+Result follow(const GraphPolicy& policy, const Task& task, const Budget& budget) {
+  if (task.steps)
+    throw InputError("--steps: a policy for many products answers for all steps alone");
+  const TransitionSystem system(task.problem);
+  Result result = follow_graph_policy(system, policy, budget);
+  require_honest(task, result);
+  return result;
 }
 
 Settings settings_of(const SolveOptions& options) {
@@ -271,9 +299,13 @@ int run(const SolveOptions& options, const Context& context) {
     if (const std::string reason = without_certificates(problem); !reason.empty())
       throw InputError("--certificate: " + reason);
   }
+  std::optional<GraphPolicy> graph_policy;
   if (const auto file = options.of_method.find("policy"); file != options.of_method.end()) {
-    chosen.policy =
-        std::make_shared<const Policy>(read_policy(file->second, problem).trained.policy);
+    graph_policy = read_graph_policy(file->second, problem);
+    if (!graph_policy) {
+      chosen.policy =
+          std::make_shared<const Policy>(read_policy(file->second, problem).trained.policy);
+    }
   }
 
   Result result;
@@ -288,7 +320,8 @@ int run(const SolveOptions& options, const Context& context) {
       system.emplace(problem);
       require_graph_for_other_plans(*system, options, budget);
     }
-    result = solve(task, planner.name, chosen, budget);
+    result = graph_policy ? follow(*graph_policy, task, budget)
+                          : solve(task, planner.name, chosen, budget);
     if (system)
       alternatives = find_alternatives(*system, options.count, options.alternatives, budget);
     if (!options.certificate.empty()) certified = why_proved(problem, result, budget);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,8 +19,10 @@
 #include "cli/output/json_output.h"
 #include "cli/output/text.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/graph_policy_file.h"
 #include "orasp/io/policy_file.h"
 #include "orasp/io/problem_json.h"
+#include "orasp/learning/imitation.h"
 #include "orasp/model/tolerance.h"
 
 namespace orasp::cli {
@@ -46,16 +49,18 @@ class Log {
     if (!stream_) fail();
   }
   void write(const TrainingRecord& record) {
+    write(Json{{"episodes", record.episodes},
+               {"updates", record.updates},
+               {"epsilon", record.epsilon},
+               {"loss", record.loss},
+               {"greedy", number_or_null(record.greedy)},
+               {"best_greedy", number_or_null(record.best_greedy)},
+               {"best", number_or_null(record.best)},
+               {"bound", number_or_null(record.bound)},
+               {"seconds", record.seconds}});
+  }
+  void write(const Json& line) {
     if (!stream_) return;
-    const Json line = {{"episodes", record.episodes},
-                       {"updates", record.updates},
-                       {"epsilon", record.epsilon},
-                       {"loss", record.loss},
-                       {"greedy", number_or_null(record.greedy)},
-                       {"best_greedy", number_or_null(record.best_greedy)},
-                       {"best", number_or_null(record.best)},
-                       {"bound", number_or_null(record.bound)},
-                       {"seconds", record.seconds}};
     const std::string text = line.dump() + '\n';
     if (std::fwrite(text.data(), 1, text.size(), stream_.get()) != text.size() ||
         std::fflush(stream_.get()) != 0)
@@ -133,7 +138,7 @@ Json as_json(const Problem& problem, const Training& training, const TrainOption
 
 std::string summary(const Problem& problem, const Training& training, const TrainOptions& options) {
   const Result& result = training.result;
-  std::string text = fmt::format("{}: {}\n", title(problem, options.problem),
+  std::string text = fmt::format("{}: {}\n", title(problem, options.problems.front()),
                                  result.stop == Stop::None ? "trained" : stop_text(result.stop));
   const auto line = [&text](std::string_view name, const std::string& value) {
     text += fmt::format("{:<9} {}\n", name, value);
@@ -166,12 +171,83 @@ std::string summary(const Problem& problem, const Training& training, const Trai
   return text;
 }
 
+Json as_json(const ImitationRecord& record) {
+  return {{"epoch", record.epoch},
+          {"problems", record.problems},
+          {"held_out_problems", record.held_out_problems},
+          {"states", record.states},
+          {"held_out_states", record.held_out_states},
+          {"loss", record.loss},
+          {"held_out_loss", record.held_out_loss},
+          {"held_out_right", record.held_out_right},
+          {"seconds", record.seconds}};
+}
+
+/// `orasp train --problems`.
+int run_together(const TrainOptions& options, const Context& context) {
+  if (!options.resume.empty())
+    throw InputError("--resume goes on with a policy for one problem, --problems begins anew");
+  if (!options.of_q_learning.empty())
+    throw InputError(
+        fmt::format("{} belongs to deep Q-learning, and --problems learns by imitation",
+                    options.of_q_learning));
+  std::vector<std::unique_ptr<const Problem>> problems;
+  std::vector<std::unique_ptr<const TransitionSystem>> systems;
+  std::vector<const TransitionSystem*> plain;
+  std::optional<ProblemKind> kind;
+  for (const std::string& name : options.problems) {
+    problems.push_back(std::make_unique<const Problem>(
+        load_one_robot_problem(name, options.changes, context, "train")));
+    const ProblemKind mine = kind_of(*problems.back());
+    kind = kind ? kind_of_both(*kind, mine) : mine;
+    systems.push_back(std::make_unique<const TransitionSystem>(*problems.back()));
+    plain.push_back(systems.back().get());
+  }
+  Log log(options.log, false);
+  ImitationOptions imitation;
+  imitation.seed = options.learning.dqn.seed;
+  const Imitation learned =
+      imitate(plain, imitation, make_budget(options.limits), [&](const ImitationRecord& record) {
+        log.write(as_json(record));
+        context.say(fmt::format("{:>4} epochs  loss {:.4f}  held out {:.4f}  right {:.1f} %  {}",
+                                record.epoch, record.loss, record.held_out_loss,
+                                100 * record.held_out_right, seconds_text(record.seconds)));
+      });
+  const ImitationRecord& best = learned.best;
+  if (best.states == 0) {
+    context.warn("nothing was learned: no state of the problems has a choice that was settled");
+  } else if (!options.policy.empty()) {
+    write_file(
+        options.policy,
+        graph_policy_bytes({.kind = *kind, .seed = imitation.seed, .policy = learned.policy}));
+  }
+  Json document = as_json(best);
+  document["seed"] = imitation.seed;
+  if (learned.stop != Stop::None) document["stopped"] = stop_name(learned.stop);
+  print_result(context, "", options.json, document, [&] {
+    return fmt::format(
+        "{} problems: {}\n{:<9} {} problems, {} states\n{:<9} {} problems, {} states, {:.1f} % of "
+        "the choices optimal\n{:<9} {}\n{:<9} {}\n",
+        problems.size(), learned.stop == Stop::None ? "trained" : stop_text(learned.stop),
+        "learned", best.problems, best.states, "held out", best.held_out_problems,
+        best.held_out_states, 100 * best.held_out_right, "time", seconds_text(best.seconds),
+        "written",
+        options.policy.empty() ? "nowhere: -o FILE keeps the policy"
+                               : (best.states == 0 ? "nothing" : options.policy));
+  });
+  return learned.stop == Stop::None ? kSolved : kStopped;
+}
+
 }  // namespace
 
 int run(const TrainOptions& options, const Context& context) {
   if (!options.policy.empty()) require_folder(options.policy);
+  if (options.together) return run_together(options, context);
+  if (options.problems.size() > 1)
+    throw InputError(
+        "train learns a policy for one problem; --problems learns one for all of several");
   const Problem problem =
-      load_one_robot_problem(options.problem, options.changes, context, "train");
+      load_one_robot_problem(options.problems.front(), options.changes, context, "train");
   if (problem.uncertain()) {
     throw InputError(fmt::format(
         "train learns for attempts that always succeed, and an attempt at connection {} may fail "
@@ -222,22 +298,31 @@ CommandWork train_command(CommandLine& line) {
   TrainOptions& options = *chosen;
   line.about(
       "Learns a policy by deep Q-learning: a network that says in every state which\n"
-      "connection to handle next. `orasp solve --method dqn --policy` plans with it.");
-  line.positional("PROBLEM", options.problem, kProblemHelp);
+      "connection to handle next. `orasp solve --method dqn --policy` plans with it.\n"
+      "With --problems: one graph network for many products, which answers for products that\n"
+      "it has not seen too. Needs no libtorch.");
+  line.positionals("PROBLEM", options.problems, kProblemHelp);
   line.group("Training");
+  line.flag("--problems", options.together,
+            "Learn one policy for all PROBLEMs and for others of their kind, by imitation of\n"
+            "proved plans (default: a policy for one problem, by deep Q-learning).");
   line.text("-o,--output", "FILE",
             "Write the policy to FILE, now and then and at the end (default: none).",
             options.policy);
   line.text("--resume", "FILE", "Go on from this policy (default: begin anew).", options.resume);
   line.text("--log", "FILE", "Write a line of JSON after every round of episodes (default: none).",
             options.log);
-  line.real("--checkpoint-every", "SECONDS", "Write the policy this often (default: 30).",
-            options.checkpoint_every, Sign::Positive);
+  line.value("--checkpoint-every", "SECONDS", "Write the policy this often (default: 30).",
+             [&options](const std::string& text) {
+               options.of_q_learning = "--checkpoint-every";
+               options.checkpoint_every = number("--checkpoint-every", text, Sign::Positive);
+             });
   add_seed_option(line, options.learning.dqn.seed,
                   "the network's first weights and the random actions");
   for (const OptionSpec& row : training_options()) {
     line.group(std::string(row.group));
     line.option(row, [&options, &row](const std::string& text) {
+      options.of_q_learning = "--" + std::string(row.name);
       set_option(row, "--" + std::string(row.name), text, options.learning);
     });
   }
@@ -252,6 +337,8 @@ CommandWork train_command(CommandLine& line) {
       "  orasp solve hubble-upc --method dqn --policy policy.pt\n"
       "  orasp train jwst-upc -o policy.pt --time-limit 600 --log training.jsonl\n"
       "  orasp train jwst-upc --resume policy.pt -o policy.pt --time-limit 600\n"
+      "  orasp train --problems tree:12:1 tree:14:2 grid:3x4 -o general.pt\n"
+      "  orasp solve tree:40:3 --method dqn --policy general.pt\n"
       "\n"
       "Exit codes: 0 trained, 10 proved infeasible, 20 a limit or Ctrl-C stopped it (the\n"
       "best policy so far is written), 30 wrong input or no libtorch.");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cli/options/command_line.h"
 #include "cli/options/problem_source.h"
@@ -9,11 +10,15 @@
 namespace orasp::cli {
 
 struct TrainOptions {
-  std::string problem;
+  /// One, unless `together`.
+  std::vector<std::string> problems;
+  /// One policy for all problems, by imitation (learning/imitation.h).
+  bool together = false;
   std::string policy;            ///< file for the policy; empty: none
   std::string resume;            ///< policy file to go on from; empty: begin anew
   std::string log;               ///< file for a line of JSON after every round; empty: none
   double checkpoint_every = 30;  ///< s
+  std::string of_q_learning;     ///< an option that was given and is deep Q-learning's alone
   bool json = false;
   /// Of which `dqn` alone matters.
   Options learning;
@@ -21,7 +26,7 @@ struct TrainOptions {
   LimitOptions limits;
 };
 
-/// `orasp train PROBLEM`: learns a policy and writes it. @returns the exit code. @throws
+/// `orasp train PROBLEM...`: learns a policy and writes it. @returns the exit code. @throws
 /// InputError.
 [[nodiscard]] int run(const TrainOptions& options, const Context& context);
 

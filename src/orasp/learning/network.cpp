@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include <ATen/Parallel.h>
@@ -16,6 +18,7 @@
 #include <torch/nn/utils/clip_grad.h>
 #include <torch/optim/adamw.h>
 
+#include "orasp/learning/detail/optimiser_key.h"
 #include "orasp/model/error.h"
 
 namespace orasp {
@@ -209,8 +212,10 @@ class TorchNetwork final : public Network {
   }
 
   // The optimiser makes its moments at its first step.
-  [[nodiscard]] static std::string key(const Tensor& parameter) {
-    return c10::guts::to_string(parameter.unsafeGetTensorImpl());
+  using Key = std::remove_cvref_t<decltype(std::declval<torch::optim::AdamW&>().state())>::key_type;
+  [[nodiscard]] static Key key(const Tensor& parameter) {
+    return detail::optimiser_key<Key>(parameter.unsafeGetTensorImpl(),
+                                      [](auto* tensor) { return c10::guts::to_string(tensor); });
   }
   void make_moments() {
     for (const Tensor& parameter : online_.parameters()) {
