@@ -324,33 +324,46 @@ void Expander::Scratch::leave_list_if_told(std::uint64_t& asked) const {
   if (rules.listing.stop(bytes)) throw detail::ListingStopped{bytes};
 }
 
+// The pieces, each with its parts ascending, and for each the others that some of `connections` lead
+// to, ascending.
+Expander::Scratch::TouchingPieces Expander::Scratch::touching_pieces(SetView there,
+                                                                     SetView connections) const {
+  TouchingPieces found;
+  std::vector<std::size_t> piece_of(problem.num_parts(), 0);
+  rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
+    for (const PartIndex part : piece) piece_of[part] = found.pieces.size();
+    found.pieces.emplace_back(piece.begin(), piece.end());
+    std::ranges::sort(found.pieces.back());
+  });
+  found.touched.resize(found.pieces.size());
+  for_each_connection(connections, [&](ConnectionIndex c) {
+    const std::size_t first = piece_of[problem.ends(c)[0]];
+    const std::size_t second = piece_of[problem.ends(c)[1]];
+    if (first == second) return;
+    found.touched[first].push_back(second);
+    found.touched[second].push_back(first);
+  });
+  for (std::vector<std::size_t>& others : found.touched) {
+    std::ranges::sort(others);
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+  }
+  return found;
+}
+
 // The steps after which the connections of `wanted` are open: whatever moves is one of the pieces
 // that what is handled stands between.
 void Expander::Scratch::part_moves_to(SetView open, SetView wanted) {
   const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
   std::vector<std::uint64_t> apart = there;  // what is there while the pieces are apart
-  for (std::size_t w = 0; w < rules.words; ++w) apart[w] &= ~(open[w] & ~wanted[w]);
-  std::vector<std::vector<PartIndex>> all;
-  std::vector<std::size_t> piece_of(problem.num_parts(), 0);
+  std::vector<std::uint64_t> handled(open.begin(), open.end());
+  for (std::size_t w = 0; w < rules.words; ++w) {
+    handled[w] &= ~wanted[w];
+    apart[w] &= ~handled[w];
+  }
   subassemblies_now = subassemblies_of(there);
-  rules.graph.for_each_piece(apart, [&](std::span<const PartIndex> piece) {
-    for (const PartIndex part : piece) piece_of[part] = all.size();
-    all.emplace_back(piece.begin(), piece.end());
-    std::ranges::sort(all.back());
-  });
-  std::vector<std::vector<std::size_t>> touched(all.size());
-  for_each_connection(open, [&](ConnectionIndex c) {
-    if (contains(wanted, c)) return;
-    const std::size_t first = piece_of[problem.ends(c)[0]];
-    const std::size_t second = piece_of[problem.ends(c)[1]];
-    if (first == second) return;
-    touched[first].push_back(second);
-    touched[second].push_back(first);
-  });
+  const auto [all, touched] = touching_pieces(apart, handled);
   for (std::size_t p = 0; p < all.size(); ++p) {
-    std::vector<std::size_t>& others = touched[p];
-    std::ranges::sort(others);
-    others.erase(std::unique(others.begin(), others.end()), others.end());
+    const std::vector<std::size_t>& others = touched[p];
     const auto is_base = [this](PartIndex part) { return problem.in_base(part); };
     if (others.empty() || all[p].size() > rules.max_moved_parts ||
         std::ranges::any_of(all[p], is_base))
@@ -429,27 +442,11 @@ void Expander::Scratch::part_moves(SetView open) {
 // Puts a piece onto one or several others that it touches.
 void Expander::Scratch::making_part_moves(SetView open) {
   const std::vector<std::uint64_t> there(present(open).begin(), present(open).end());
-  std::vector<std::vector<PartIndex>> all;
-  std::vector<std::size_t> piece_of(problem.num_parts(), 0);
   std::uint64_t asked = 0;
   subassemblies_now = subassemblies_of(there);
-  rules.graph.for_each_piece(there, [&](std::span<const PartIndex> piece) {
-    for (const PartIndex part : piece) piece_of[part] = all.size();
-    all.emplace_back(piece.begin(), piece.end());
-    std::ranges::sort(all.back());
-  });
-  std::vector<std::vector<std::size_t>> touched(all.size());
-  for_each_connection(open, [&](ConnectionIndex c) {
-    const std::size_t first = piece_of[problem.ends(c)[0]];
-    const std::size_t second = piece_of[problem.ends(c)[1]];
-    if (first == second) return;
-    touched[first].push_back(second);
-    touched[second].push_back(first);
-  });
+  const auto [all, touched] = touching_pieces(there, open);
   for (std::size_t p = 0; p < all.size(); ++p) {
-    std::vector<std::size_t>& others = touched[p];
-    std::ranges::sort(others);
-    others.erase(std::unique(others.begin(), others.end()), others.end());
+    const std::vector<std::size_t>& others = touched[p];
     const auto is_base = [this](PartIndex part) { return problem.in_base(part); };
     if (all[p].size() > rules.max_moved_parts || std::ranges::any_of(all[p], is_base)) continue;
     // Every choice of pieces among those that it touches: first those that end with the first of

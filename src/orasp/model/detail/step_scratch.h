@@ -95,7 +95,12 @@ struct Expander::Scratch {
                                       std::span<const unsigned char> marked);
   [[nodiscard]] std::size_t subassemblies_of(SetView there) const;
   void making_part_moves(SetView open);
-  void part_moves_to(SetView open, SetView target);
+  struct TouchingPieces {
+    std::vector<std::vector<PartIndex>> pieces;
+    std::vector<std::vector<std::size_t>> touched;  ///< by piece, the numbers of others
+  };
+  [[nodiscard]] TouchingPieces touching_pieces(SetView there, SetView connections) const;
+  void part_moves_to(SetView open, SetView wanted);
   void leave_list_if_told(std::uint64_t& asked) const;
   /// Where not empty: of the steps that take parts off or put them on, those that lead to a state
   /// in which this is open.
