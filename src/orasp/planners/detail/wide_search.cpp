@@ -501,6 +501,7 @@ Result turned_round(const TransitionSystem& system, Result result) {
     for (const ConnectionIndex c : step->connections)
       states[last + system.words() + c / 64] &= ~(std::uint64_t{1} << (c % 64));
   }
+  if (!system.ends(SetView(states).last(system.words()))) return {};
   const Status status = result.status;
   const double reward = result.reward;
   try {
@@ -509,7 +510,8 @@ Result turned_round(const TransitionSystem& system, Result result) {
   } catch (const std::logic_error&) {
     return {};
   }
-  return meets(result.reward, reward) ? result : Result();
+  const bool same = meets(result.reward, reward) && meets(reward, result.reward);
+  return same ? result : Result();
 }
 
 /// Where steps take parts off and there were too many of them to list, a quick plan.
