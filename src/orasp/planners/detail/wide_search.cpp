@@ -792,10 +792,11 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   const bool bounded = WideBound(system).known();
   if (has_many_moves(system)) {
     Result result = better_of(by_few_moves(system, bounded, budget));
-    judge_by(result.bound, result);
-    if (result.has_plan())
+    if (result.has_plan()) {
+      judge_by(result.bound, result);
       return answer(std::move(result),
                     "beam over steps that move few parts, since there are too many others");
+    }
   }
   // A plan that meets the bound ends it at once.
   const bool large = system.rules().by_part && system.problem().num_parts() > kManyParts;
