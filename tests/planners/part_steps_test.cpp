@@ -67,6 +67,21 @@ TEST(PartSteps, EveryMethodEndsAtItsLimitWithAPlanHoweverManySetsOfPartsThereAre
   }
 }
 
+TEST(PartSteps, AGoalIsReachedOrTheTimeIsOver) {
+  ProblemSpec spec = many_sets(12, 20, 1, Direction::Disassembly);
+  spec.goal.emplace().free = {"p11", "p5"};
+  const Problem problem(spec);
+  for (const Planner* planner : one_robot_planners()) {
+    if (obstacle(problem, planner->name)) continue;
+    SCOPED_TRACE(std::string(planner->name));
+    for (int milliseconds = 1; milliseconds <= 40; ++milliseconds) {
+      const Result result =
+          solve(problem, planner->name, {}, Budget::with_time_limit(milliseconds * 1e-3));
+      EXPECT_GE(result.bound.value_or(kInfinity), result.reward);
+    }
+  }
+}
+
 TEST(PartSteps, AnAssemblyIsAQuickPlanOfItsReverse) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Problem taken_apart(many_sets(24, 30, seed, Direction::Disassembly));

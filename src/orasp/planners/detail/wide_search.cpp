@@ -28,8 +28,10 @@ namespace {
 
 using Words = std::vector<std::uint64_t>;
 
-/// Sets the plan of a result to that which goes through these states.
+/// Sets the plan of a result to that which goes through these states. Their steps were listed before
+/// and are listed to the end, although time may be over by now.
 void take_states(const TransitionSystem& system, const Words& states, Result& result) {
+  const ListingScope as_before(system, {.most = system.rules().listing.most});
   take_walk(Expander(system).steps_along(states), result);
   result.status = Status::Feasible;
 }
@@ -515,10 +517,9 @@ Result turned_round(const TransitionSystem& system, Result result) {
 }
 
 /// Where steps take parts off and there were too many of them to list, a quick plan.
-Result or_quick_plan(const TransitionSystem& system, const Budget& budget, Result result) {
+Result or_quick_plan(const TransitionSystem& system, Result result) {
   const bool spent = result.stop == Stop::TimeLimit || result.stop == Stop::MemoryLimit;
-  if (result.has_plan() || !spent || !system.rules().by_part || budget.expired() == Stop::Cancelled)
-    return result;
+  if (result.has_plan() || !spent || !system.rules().by_part) return result;
   return stopped_with_quick_plan(system, result.method, result.stop, result.statistics);
 }
 
@@ -527,16 +528,14 @@ bool has_many_moves(const TransitionSystem& system) {
   constexpr int kMostAsked = 100;  // times 256 steps
   if (!system.rules().by_part) return false;
   int asked = 0;
-  auto& stop = system.rules().listing.stop;
-  auto before = std::exchange(stop, [&asked](std::uint64_t) { return ++asked > kMostAsked; });
-  bool many = false;
+  const ListingScope at_most(system,
+                             {.stop = [&asked](std::uint64_t) { return ++asked > kMostAsked; }});
   try {
     static_cast<void>(Expander(system).legal_actions(system.start_state()));
   } catch (const ListingStopped&) {
-    many = true;
+    return true;
   }
-  stop = std::move(before);
-  return many;
+  return false;
 }
 
 }  // namespace
@@ -550,12 +549,8 @@ Result plan_of_few_moves(const TransitionSystem& system, const Budget& budget) {
   Result result;
   result.method = "greedy";
   for (const std::size_t most : {1, 2, 4}) {
-    const TransitionSystem forwards(system.problem(), system.situation());
-    const auto plan_on = [&](const TransitionSystem& few) {
-      few.rules().listing.most = most;
-      return some_plan(few, budget, "greedy", kNoRest, greatest_last);
-    };
-    Result found = system.completes_first() ? plan_on(forwards.backwards()) : plan_on(forwards);
+    const ListingScope few(system, {.most = most});
+    Result found = some_plan(system, budget, "greedy", kNoRest, greatest_last);
     if (found.has_plan()) return found;
     result.stop = found.stop;
     if (budget.expired() != Stop::None) break;
@@ -564,7 +559,7 @@ Result plan_of_few_moves(const TransitionSystem& system, const Budget& budget) {
 }
 
 Result wide_greedy(const TransitionSystem& system, const Budget& budget) {
-  return or_quick_plan(system, budget, some_plan(system, budget, "greedy", kNoRest, greatest_last));
+  return or_quick_plan(system, some_plan(system, budget, "greedy", kNoRest, greatest_last));
 }
 
 Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
@@ -574,7 +569,7 @@ Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Bud
     for (std::size_t left = actions.size(); left > 1; --left)
       std::swap(actions[left - 1], actions[random.below(left)]);
   });
-  result = or_quick_plan(system, budget, std::move(result));
+  result = or_quick_plan(system, std::move(result));
   result.seed = seed;
   return result;
 }
@@ -733,16 +728,12 @@ Result by_few_moves(const TransitionSystem& system, bool bounded, const Budget& 
   const double most = WideBound(system)(system.start_state());
   Budget look = budget;
   look.max_expansions = std::min(budget.max_expansions, expansions_at_first(system, 3e9));
-  const auto improve = [&](const TransitionSystem& few) {
-    for (const std::size_t parts : {1, 2}) {
-      if (meets(best.reward, most) || budget.expired() != Stop::None) break;
-      few.rules().listing.most = parts;
-      Result found = wide_beam(few, &best, look);
-      if (found.has_plan() && found.reward > best.reward) best = std::move(found);
-    }
-  };
-  const TransitionSystem forwards(system.problem(), system.situation());
-  system.completes_first() ? improve(forwards.backwards()) : improve(forwards);
+  for (const std::size_t parts : {1, 2}) {
+    if (meets(best.reward, most) || budget.expired() != Stop::None) break;
+    const ListingScope few(system, {.most = parts});
+    Result found = wide_beam(system, &best, look);
+    if (found.has_plan() && found.reward > best.reward) best = std::move(found);
+  }
   best.status = Status::Feasible;
   best.stop = budget.expired();
   best.bound = std::max(most, best.reward);
@@ -775,6 +766,7 @@ Result plan_from_the_end(const TransitionSystem& system, const Budget& budget) {
 
 Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   if (auto result = infeasible_at_once(system, "auto")) return *result;
+  const Stopwatch watch;
   const Result turned = turns_round(system) ? plan_from_the_end(system, budget) : Result();
   const auto better_of = [&turned](Result plan) {
     if (!turned.has_plan() || plan.reward >= turned.reward) return plan;
@@ -782,7 +774,6 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     plan.status = Status::Feasible;
     return plan;
   };
-  const Stopwatch watch;
   const auto answer = [&](Result result, const std::string& how) {
     result.method = "auto";
     result.notes.insert(result.notes.begin(), "auto: " + how);
@@ -790,7 +781,8 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     return result;
   };
   const bool bounded = WideBound(system).known();
-  if (has_many_moves(system)) {
+  const bool many = has_many_moves(system);
+  if (many) {
     Result result = better_of(by_few_moves(system, bounded, budget));
     if (result.has_plan()) {
       judge_by(result.bound, result);
@@ -799,7 +791,7 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     }
   }
   // A plan that meets the bound ends it at once.
-  const bool large = system.rules().by_part && system.problem().num_parts() > kManyParts;
+  const bool large = !many && system.rules().by_part && system.problem().num_parts() > kManyParts;
   Result plan = large ? plan_of_few_moves(system, budget) : Result();
   if (!plan.has_plan()) plan = wide_guided_greedy(system, budget);
   if (plan.status != Status::Infeasible) plan = better_of(std::move(plan));

@@ -7,16 +7,19 @@
 
 namespace orasp::detail {
 
-ListingWatch::ListingWatch(const TransitionSystem& system, const Budget& budget)
-    : system_(system), budget_(budget), allowed_(allowed_bytes(budget)) {
-  std::function<bool(std::uint64_t)>& stop = system_.rules().listing.stop;
-  before_ =
-      std::exchange(stop, [this](std::uint64_t bytes) { return expired(bytes) != Stop::None; });
+ListingScope::ListingScope(const TransitionSystem& system, Listing listing)
+    : system_(system), before_(std::exchange(system.rules().listing, std::move(listing))) {}
+
+ListingScope::~ListingScope() {
+  system_.rules().listing = std::move(before_);
 }
 
-ListingWatch::~ListingWatch() {
-  system_.rules().listing.stop = std::move(before_);
-}
+ListingWatch::ListingWatch(const TransitionSystem& system, const Budget& budget)
+    : budget_(budget),
+      allowed_(allowed_bytes(budget)),
+      scope_(system, {.most = system.rules().listing.most, .stop = [this](std::uint64_t bytes) {
+                        return expired(bytes) != Stop::None;
+                      }}) {}
 
 Stop ListingWatch::expired(std::uint64_t bytes) const {
   return bytes > allowed_ ? Stop::MemoryLimit : budget_.expired(bytes);
