@@ -35,6 +35,7 @@ struct Outcome {
   Status status = Status::Unknown;    ///< Infeasible: what is followed may end in a dead end
   double expected = 0;                ///< reward
   double expected_attempts = 0;
+  bool proved_best = true;  ///< what was found to be followed
   Simulation simulation;
   std::vector<std::string> notes;
 };
@@ -87,37 +88,39 @@ Outcome certain_outcome(const Problem& problem, const SimulateOptions& options,
     throw InputError(
         "--policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
   Outcome outcome;
-  outcome.status = Status::Feasible;
+  std::size_t attempts = 0;
+  Stop stop = Stop::None;
   if (!options.plan.empty()) {
     const Evaluation evaluation = legal_plan(problem, options.plan, context);
     outcome.expected = evaluation.reward;
-    outcome.expected_attempts = static_cast<double>(evaluation.steps.size());
+    attempts = evaluation.steps.size();
   } else {
     ProgressLine progress(context, title(problem, options.problem) + ", simulate");
     Budget budget = make_budget(options.limits);
     progress.attach_to(budget);
     const Result result = solve(Task(problem), "auto", Options(), budget);
-    outcome.status = result.status;
-    outcome.simulation.stop = result.stop;
-    // A plan that is not proved best is no optimal policy.
-    if (result.status != Status::Optimal) {
+    if (!result.has_plan()) {
+      outcome.status = result.status;
+      outcome.simulation.stop = result.stop;
       outcome.notes = result.notes;
       return outcome;
     }
-    outcome.status = Status::Feasible;
+    outcome.proved_best = result.status == Status::Optimal;
     outcome.expected = result.reward;
-    outcome.expected_attempts =
-        static_cast<double>(result.steps.empty() ? result.sequence.size() : result.steps.size());
+    attempts = result.steps.empty() ? result.sequence.size() : result.steps.size();
+    stop = result.stop;
   }
+  outcome.status = Status::Feasible;
+  outcome.expected_attempts = static_cast<double>(attempts);
   outcome.simulation =
-      certain_runs(outcome.expected, static_cast<std::uint64_t>(outcome.expected_attempts),
-                   {.runs = options.count, .seed = options.seed});
+      certain_runs(outcome.expected, attempts, stop, {.runs = options.count, .seed = options.seed});
   return outcome;
 }
 
-Outcome outcome_of(const Problem& problem, const SimulateOptions& options, const Context& context) {
+Outcome outcome_of(const TransitionSystem& system, const SimulateOptions& options,
+                   const Context& context) {
+  const Problem& problem = system.problem();
   Outcome outcome;
-  const TransitionSystem system(problem);
   if (const std::optional<Violation> reason = system.infeasibility()) {
     outcome.status = Status::Infeasible;
     outcome.notes = {reason->message};
@@ -192,7 +195,8 @@ std::string summary(const Problem& problem, const Outcome& outcome, const Reward
   const std::size_t runs = simulation.rewards.size();
   const char* const followed = !options.plan.empty()     ? "the plan"
                                : !options.policy.empty() ? "the policy"
-                                                         : "an optimal policy, solved first";
+                               : outcome.proved_best     ? "an optimal policy, solved first"
+                                                         : "a plan, not proved best, found first";
   std::string text =
       fmt::format("{}: {} of {} with {}, seed {}\n", title(problem, options.problem), grouped(runs),
                   counted(options.count, "run"), followed, options.seed);
@@ -234,10 +238,10 @@ int run(const SimulateOptions& options, const Context& context) {
     throw InputError("PROBLEM and what to follow cannot both be read from standard input");
   const Problem problem =
       load_one_robot_problem(options.problem, options.changes, context, "simulate");
-  if (const auto reason = simulation_obstacle(TransitionSystem(problem))) throw InputError(*reason);
-  const bool certain = TransitionSystem(problem).wide();
-  const Outcome outcome =
-      certain ? certain_outcome(problem, options, context) : outcome_of(problem, options, context);
+  const TransitionSystem system(problem);
+  if (const auto reason = simulation_obstacle(system)) throw InputError(*reason);
+  const Outcome outcome = system.wide() ? certain_outcome(problem, options, context)
+                                        : outcome_of(system, options, context);
   const RewardFigures figures = figures_of(outcome.simulation.rewards);
   const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);
   if (options.json) {

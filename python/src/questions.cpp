@@ -216,8 +216,8 @@ py::tuple sample(const ProblemPointer& problem, std::uint64_t count, std::uint64
 struct Followed {
   std::vector<ConnectionIndex> plan;
   bool infeasible = false;
-  double expected = 0;
-  double expected_attempts = 0;
+  std::optional<double> expected{};
+  std::optional<double> expected_attempts{};
   Simulation simulation;
   std::vector<std::string> notes;
 };
@@ -238,32 +238,35 @@ Evaluation legal_plan(const Problem& problem, const std::string& text) {
 Followed certainly_followed(const Problem& problem, const std::optional<std::string>& plan,
                             const SimulationOptions& options, const Budget& budget) {
   Followed found;
+  std::size_t attempts = 0;
+  Stop stop = Stop::None;
   if (plan) {
     const Evaluation evaluation = legal_plan(problem, *plan);
     found.expected = evaluation.reward;
-    found.expected_attempts = static_cast<double>(evaluation.steps.size());
+    attempts = evaluation.steps.size();
   } else {
     const Result result = solve(Task(problem), "auto", Options(), budget);
-    found.infeasible = result.status == Status::Infeasible;
-    found.simulation.stop = result.stop;
-    if (result.status != Status::Optimal) {
+    if (!result.has_plan()) {
+      found.infeasible = result.status == Status::Infeasible;
+      found.simulation.stop = result.stop;
       found.notes = result.notes;
       return found;
     }
+    if (result.status != Status::Optimal) found.notes = {"the plan is not proved best"};
     found.expected = result.reward;
-    found.expected_attempts =
-        static_cast<double>(result.steps.empty() ? result.sequence.size() : result.steps.size());
+    attempts = result.steps.empty() ? result.sequence.size() : result.steps.size();
+    stop = result.stop;
   }
-  found.simulation =
-      certain_runs(found.expected, static_cast<std::uint64_t>(found.expected_attempts), options);
+  found.expected_attempts = static_cast<double>(attempts);
+  found.simulation = certain_runs(*found.expected, attempts, stop, options);
   return found;
 }
 
-Followed followed(const Problem& problem, const std::optional<std::string>& plan,
+Followed followed(const TransitionSystem& system, const std::optional<std::string>& plan,
                   const std::optional<std::string>& policy, const SimulationOptions& options,
                   const Budget& budget) {
+  const Problem& problem = system.problem();
   Followed found;
-  const TransitionSystem system(problem);
   if (const std::optional<Violation> reason = system.infeasibility()) {
     found.infeasible = true;
     found.notes = {reason->message};
@@ -302,14 +305,14 @@ py::tuple simulate_problem(const ProblemPointer& problem, const std::optional<st
                            const std::optional<std::string>& policy, std::uint64_t count,
                            std::uint64_t seed, Run run) {
   require_one_robot(*problem, "simulate");
-  if (const auto reason = simulation_obstacle(TransitionSystem(*problem)))
-    throw InputError(*reason);
+  const TransitionSystem system(*problem);
+  if (const auto reason = simulation_obstacle(system)) throw InputError(*reason);
   Followed found;
   run.calls_back = calls_python(*problem);
   run_watched(run, true, [&](const Budget& budget) {
     const SimulationOptions options{.runs = count, .seed = seed};
-    if (!TransitionSystem(*problem).wide()) {
-      found = followed(*problem, plan, policy, options, budget);
+    if (!system.wide()) {
+      found = followed(system, plan, policy, options, budget);
     } else if (policy) {
       throw InputError(
           "policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
@@ -317,19 +320,13 @@ py::tuple simulate_problem(const ProblemPointer& problem, const std::optional<st
       found = certainly_followed(*problem, plan, options, budget);
     }
   });
-  std::optional<double> expected;
-  std::optional<double> expected_attempts;
-  if (!found.infeasible && found.simulation.stop == Stop::None) {
-    expected = found.expected;
-    expected_attempts = found.expected_attempts;
-  }
   Simulation& simulation = found.simulation;
   py::object figures = figures_as_tuple(simulation.rewards);
   return py::make_tuple(
       array_of(std::move(simulation.rewards)),
       array_of(std::vector<std::int64_t>(simulation.attempts.begin(), simulation.attempts.end())),
-      std::move(figures), expected, expected_attempts, simulation.aborted, simulation.replanned,
-      found.infeasible, name_of(simulation.stop), found.notes);
+      std::move(figures), found.expected, found.expected_attempts, simulation.aborted,
+      simulation.replanned, found.infeasible, name_of(simulation.stop), found.notes);
 }
 
 }  // namespace

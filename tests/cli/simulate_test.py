@@ -79,6 +79,15 @@ class Simulate(Case):
                 file = self.file("plan.json", json.dumps(other))
                 self.assertAlmostEqual(self.figures("--plan", file, "-n", "7")["mean"], other["reward"])
                 self.check_sentence(orasp("simulate", self.problem, "--policy", file))
+        # Where the best plan is not proved, the one that was found is followed, and said to be no more.
+        parts = [{"id": f"p{i}", "mass": 1 + i % 3} for i in range(26)]
+        joined = [{"parts": [f"p{i * i % (i + 1) if i % 2 else i // 2}", f"p{i + 1}"]} for i in range(25)]
+        large = {"format": "orasp-problem/1", "action": "part", "parts": parts, "connections": joined, "objective": {"type": "fuel"}}
+        self.problem = self.file("large.json", json.dumps(large))
+        answer = orasp("simulate", self.problem, "-n", "7", "--time-limit", "2")
+        self.assertIn(answer.code, (0, 20))
+        self.assertIn("7 of 7 runs with a plan, not proved best, found first", answer.out)
+        self.assertNotRegex(answer.out, r"expected reward +0\n")
         uncertain = json.loads(json.dumps(plain | {"goal": {"free": ["d"]}}))
         uncertain["connections"][0]["success"] = 0.5
         self.check(orasp("simulate", self.file("both.json", json.dumps(uncertain))), 30, error="here a goal or costs between steps")

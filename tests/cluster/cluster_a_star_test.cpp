@@ -139,14 +139,8 @@ TEST(ClusterAStar, AFaultOfOneRankIsThrownByAll) {
   spec.objective = {"callable", callable};
   const Problem problem(spec);
   const TransitionSystem system(problem);
-  const auto thrown = on_thread_ranks(4, [&](Ranks& ranks) {
-    try {
-      static_cast<void>(cluster_a_star(system, {}, {}, ranks));
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  });
+  const auto thrown = faults_on_thread_ranks(
+      4, [&](Ranks& ranks) { return cluster_a_star(system, {}, {}, ranks); });
   for (const std::string& fault : thrown) EXPECT_EQ(fault.empty(), thrown[0].empty());
 }
 

@@ -92,14 +92,8 @@ TEST(ClusterBeam, AFaultOfOneRankIsThrownByAll) {
   spec.objective = {"callable", callable};
   const Problem problem(spec);
   const TransitionSystem system(problem);
-  const auto thrown = on_thread_ranks(4, [&](Ranks& ranks) {
-    try {
-      static_cast<void>(cluster_beam(system, {}, {}, ranks));
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  });
+  const auto thrown =
+      faults_on_thread_ranks(4, [&](Ranks& ranks) { return cluster_beam(system, {}, {}, ranks); });
   for (const std::string& fault : thrown) EXPECT_NE(fault, "");
 }
 

@@ -137,13 +137,8 @@ TEST(ClusterValueIteration, AFaultOfOneRankIsThrownByAll) {
   spec.objective = {"callable", callable};
   const Problem problem(spec);
   const TransitionSystem system(problem);
-  const auto thrown = on_thread_ranks(4, [&](Ranks& ranks) {
-    try {
-      static_cast<void>(cluster_value_iteration(system, {.values = Values::Double}, {}, ranks));
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+  const auto thrown = faults_on_thread_ranks(4, [&](Ranks& ranks) {
+    return cluster_value_iteration(system, {.values = Values::Double}, {}, ranks);
   });
   for (const std::string& fault : thrown) {
     EXPECT_EQ(fault, thrown.front());

@@ -197,4 +197,17 @@ auto on_thread_ranks(std::size_t count, Work work) {
   return answers;
 }
 
+/// What each rank says of wrong input that `work(ranks)` meets; empty where it meets none.
+template <class Work>
+std::vector<std::string> faults_on_thread_ranks(std::size_t count, Work work) {
+  return on_thread_ranks(count, [&](Ranks& ranks) {
+    try {
+      static_cast<void>(work(ranks));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  });
+}
+
 }  // namespace orasp

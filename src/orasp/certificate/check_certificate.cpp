@@ -326,6 +326,19 @@ CertificateCheck check_certificate(const Problem& problem, const Certificate& ce
   return Checker(problem, certificate).run();
 }
 
+namespace {
+
+/// Whether a certificate holds, and what its check says of that in a verdict.
+bool holds(const Problem& problem, const Certificate& certificate, OptimalityCheck& verdict) {
+  const CertificateCheck check = check_certificate(problem, certificate);
+  verdict.bound = certificate.bound;
+  verdict.inequalities = check.inequalities;
+  if (!check.holds) verdict.fault = "the certificate does not hold: " + check.fault;
+  return check.holds;
+}
+
+}  // namespace
+
 OptimalityCheck check_optimality(const Problem& problem, std::span<const ConnectionIndex> plan,
                                  const Certificate& certificate) {
   OptimalityCheck verdict;
@@ -336,12 +349,8 @@ OptimalityCheck check_optimality(const Problem& problem, std::span<const Connect
     verdict.fault = "the plan is not legal: " + replay.fault;
     return verdict;
   }
-  const CertificateCheck check = check_certificate(problem, certificate);
-  verdict.bound = certificate.bound;
-  verdict.inequalities = check.inequalities;
-  if (!check.holds) {
-    verdict.fault = "the certificate does not hold: " + check.fault;
-  } else if (certificate.bound == -kInfinity) {
+  if (!holds(problem, certificate, verdict)) return verdict;
+  if (certificate.bound == -kInfinity) {
     verdict.fault = "the certificate says that there is no plan, and here is one";
   } else if (certificate.bound - replay.reward > verdict.tolerance) {
     verdict.fault = "the plan earns " + detail::number_text(replay.reward) +
@@ -355,12 +364,8 @@ OptimalityCheck check_optimality(const Problem& problem, std::span<const Connect
 
 OptimalityCheck check_infeasibility(const Problem& problem, const Certificate& certificate) {
   OptimalityCheck verdict;
-  const CertificateCheck check = check_certificate(problem, certificate);
-  verdict.bound = certificate.bound;
-  verdict.inequalities = check.inequalities;
-  if (!check.holds) {
-    verdict.fault = "the certificate does not hold: " + check.fault;
-  } else if (certificate.bound != -kInfinity) {
+  if (!holds(problem, certificate, verdict)) return verdict;
+  if (certificate.bound != -kInfinity) {
     verdict.fault = "the certificate bounds plans by " + detail::number_text(certificate.bound) +
                     ", and does not say that there is none";
   } else {

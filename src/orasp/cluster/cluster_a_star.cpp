@@ -14,6 +14,7 @@
 #include "orasp/containers/state_table.h"
 #include "orasp/model/error.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/open_state.h"
 #include "orasp/planners/detail/order_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/memory_limit.h"
@@ -86,17 +87,7 @@ class RankSearch {
   }
 
  private:
-  struct Open {
-    std::int64_t promise;  ///< f, in units of tick_
-    std::uint32_t state;
-    std::uint32_t depth;
-  };
-  /// The order of a heap with the best on top, as that of a_star().
-  static bool later(const Open& a, const Open& b) {
-    if (a.promise != b.promise) return a.promise < b.promise;
-    if (a.depth != b.depth) return a.depth < b.depth;
-    return a.state < b.state;
-  }
+  using Open = detail::OpenState;  // its promise in units of tick_
   /// A state that is met, beside its key.
   struct Met {
     double reward;
@@ -143,7 +134,7 @@ class RankSearch {
       return;
     }
     open_.push_back({ticks_of(met.reward + met.rest), number, met.depth});
-    std::ranges::push_heap(open_.span(), later);
+    std::ranges::push_heap(open_.span(), Open::later);
   }
 
   // What is counted.
@@ -238,7 +229,7 @@ class RankSearch {
         return;
       }
       if (closed_[open_[0].state] == 0) return;
-      std::ranges::pop_heap(open_.span(), later);
+      std::ranges::pop_heap(open_.span(), Open::later);
       open_.resize(open_.size() - 1);
     }
   }
@@ -260,7 +251,7 @@ class RankSearch {
       if (result_.stop != Stop::None) return false;
     }
     const Open from = open_[0];
-    std::ranges::pop_heap(open_.span(), later);
+    std::ranges::pop_heap(open_.span(), Open::later);
     open_.resize(open_.size() - 1);
     closed_[from.state] = 1;
     try {

@@ -111,10 +111,12 @@ Simulation simulate(const UncertainGraph& graph, std::span<const std::uint32_t> 
   return simulation;
 }
 
-Simulation certain_runs(double reward, std::uint64_t attempts, const SimulationOptions& options) {
+Simulation certain_runs(double reward, std::size_t attempts, Stop stop,
+                        const SimulationOptions& options) {
   Simulation simulation;
   simulation.rewards.assign(options.runs, reward);
   simulation.attempts.assign(options.runs, attempts);
+  simulation.stop = stop;
   return simulation;
 }
 

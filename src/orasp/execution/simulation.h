@@ -52,8 +52,9 @@ struct Simulation {
                                   const SimulationOptions& options, const Budget& budget);
 
 /// Runs where every attempt succeeds, as with a goal, part steps and costs between steps
-/// (TransitionSystem::wide()): each takes the same steps and earns the same. O(runs).
-[[nodiscard]] Simulation certain_runs(double reward, std::uint64_t attempts,
+/// (TransitionSystem::wide()): each takes the same steps and earns the same. `stop` is what ended
+/// the search for them. O(runs).
+[[nodiscard]] Simulation certain_runs(double reward, std::size_t attempts, Stop stop,
                                       const SimulationOptions& options);
 
 /// Why attempts of this problem cannot be played, in one sentence; empty where they can.

@@ -11,6 +11,7 @@
 #include "orasp/containers/state_table.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/open_state.h"
 #include "orasp/planners/detail/order_search.h"
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
@@ -49,7 +50,7 @@ class AStarSearch {
     result_.stop = budget_.expired();
     while (!open_.empty() && result_.stop == Stop::None) {
       if (result_.statistics.expanded >= pause) return false;
-      std::ranges::pop_heap(open_.span(), later);
+      std::ranges::pop_heap(open_.span(), Open::later);
       const Open next = open_.back();
       open_.resize(open_.size() - 1);
       // A state stands in the heap once for each path by which it was met; the best came first.
@@ -71,18 +72,7 @@ class AStarSearch {
  private:
   static constexpr std::uint64_t kLookGenerated = 4096;
 
-  struct Open {
-    /// f, in units of tick_.
-    std::int64_t promise;
-    std::uint32_t state;
-    std::uint32_t depth;
-  };
-  /// The order of a heap with the best on top: the greatest promise, then the deepest state.
-  static bool later(const Open& a, const Open& b) {
-    if (a.promise != b.promise) return a.promise < b.promise;
-    if (a.depth != b.depth) return a.depth < b.depth;
-    return a.state < b.state;
-  }
+  using Open = detail::OpenState;  // its promise in units of tick_
 
   void meet(SetView state, ConnectionIndex by, std::uint32_t from, double reward, double rest,
             std::uint32_t depth) {
@@ -105,7 +95,7 @@ class AStarSearch {
     }
     open_.push_back(
         {static_cast<std::int64_t>(std::floor((reward + rest) / tick_ + 0.5)), number, depth});
-    std::ranges::push_heap(open_.span(), later);
+    std::ranges::push_heap(open_.span(), Open::later);
   }
 
   void expand(const Open& from) {
@@ -124,7 +114,7 @@ class AStarSearch {
       if (result_.stop != Stop::None) {
         // The state was not expanded, so what it promises still counts for the bound.
         open_.push_back(from);
-        std::ranges::push_heap(open_.span(), later);
+        std::ranges::push_heap(open_.span(), Open::later);
         return;
       }
     }
@@ -140,7 +130,7 @@ class AStarSearch {
       if (++result_.statistics.generated % kLookGenerated == 0) result_.stop = budget_.expired();
       if (result_.stop != Stop::None) {
         open_.push_back(from);  // as above
-        std::ranges::push_heap(open_.span(), later);
+        std::ranges::push_heap(open_.span(), Open::later);
         return;
       }
       const ConnectionIndex c = legal[i].connection;
