@@ -1,14 +1,11 @@
 #include "orasp/io/graph_policy_file.h"
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "orasp/io/digest.h"
+#include "orasp/io/detail/policy_bytes.h"
 #include "orasp/io/objective_json.h"
 #include "orasp/model/error.h"
 
@@ -18,11 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-static_assert(std::endian::native == std::endian::little,
-              "policy files hold little-endian numbers");
-
 constexpr std::string_view kBegin = "{\"format\":\"orasp-graph-policy/1\"";
-constexpr std::size_t kChecksum = 64;  ///< hex digits at the end
 
 GraphPolicyFile from_header(const Json& header, std::string_view numbers) {
   GraphPolicyFile file;
@@ -38,10 +31,7 @@ GraphPolicyFile from_header(const Json& header, std::string_view numbers) {
       header.at("hidden") != GraphPolicy::kHidden || header.at("rounds") != GraphPolicy::kRounds ||
       numbers.size() != size * sizeof(float))
     throw InputError("its network is of another shape than this program's");
-  file.policy.weights.resize(size);
-  std::memcpy(file.policy.weights.data(), numbers.data(), numbers.size());
-  if (!std::ranges::all_of(file.policy.weights, [](float w) { return std::isfinite(w); }))
-    throw InputError("it holds a number that is not finite");
+  file.policy.weights = detail::FloatReader(numbers).take(size);
   return file;
 }
 
@@ -90,11 +80,8 @@ std::string graph_policy_bytes(const GraphPolicyFile& file) {
                        {"hidden", GraphPolicy::kHidden},
                        {"rounds", GraphPolicy::kRounds}};
   std::string bytes = header.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + file.policy.weights.size() * sizeof(float));
-  if (!file.policy.weights.empty())
-    std::memcpy(bytes.data() + begin, file.policy.weights.data(), bytes.size() - begin);
-  return bytes + detail::sha256_hex(bytes);
+  detail::append_floats(bytes, file.policy.weights);
+  return detail::sealed(std::move(bytes));
 }
 
 bool is_graph_policy(std::string_view bytes) {
@@ -106,14 +93,9 @@ GraphPolicyFile parse_graph_policy(std::string_view bytes) {
     throw InputError(
         "this is no policy of `orasp train --problems`: it does not begin with "
         "{\"format\":\"orasp-graph-policy/1\"");
-  const std::size_t line = bytes.find('\n');
-  if (line == std::string_view::npos || bytes.size() < line + 1 + kChecksum)
-    throw InputError("the policy is damaged: it is cut off");
-  const std::string_view body = bytes.substr(0, bytes.size() - kChecksum);
-  if (detail::sha256_hex(body) != bytes.substr(body.size()))
-    throw InputError("the policy is damaged or cut off: its checksum does not fit");
+  const auto [line, numbers] = detail::opened(bytes);
   try {
-    return from_header(Json::parse(body.substr(0, line)), body.substr(line + 1));
+    return from_header(Json::parse(line), numbers);
   } catch (const Json::exception&) {  // whose own words repeat bytes of the file
     throw InputError("the policy's first line is not as it should be");
   } catch (const InputError& error) {

@@ -1,16 +1,15 @@
 #include "orasp/io/policy_file.h"
 
-#include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstring>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "orasp/io/detail/json_text.h"
-#include "orasp/io/digest.h"
+#include "orasp/io/detail/policy_bytes.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/error.h"
@@ -21,42 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-static_assert(std::endian::native == std::endian::little,
-              "policy files hold little-endian numbers");
-
 constexpr std::string_view kBegin = "{\"format\":\"orasp-policy/1\"";
-constexpr std::size_t kChecksum = 64;  ///< hex digits at the end
 constexpr std::size_t kMostUnits = 65'536;
-
-void append(std::string& bytes, const std::vector<float>& numbers) {
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + numbers.size() * sizeof(float));
-  if (!numbers.empty())
-    std::memcpy(bytes.data() + begin, numbers.data(), numbers.size() * sizeof(float));
-}
-
-/// Takes floats off the front of the bytes that follow the header.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-  [[nodiscard]] std::vector<float> take(std::size_t count) {
-    if (count > bytes_.size() / sizeof(float))
-      throw InputError("it holds fewer numbers than its first line says");
-    std::vector<float> numbers(count);
-    if (count > 0) std::memcpy(numbers.data(), bytes_.data(), count * sizeof(float));
-    bytes_.remove_prefix(count * sizeof(float));
-    for (const float number : numbers) {
-      if (!std::isfinite(number)) throw InputError("it holds a number that is not finite");
-    }
-    return numbers;
-  }
-  void end() const {
-    if (!bytes_.empty()) throw InputError("it holds more numbers than its first line says");
-  }
-
- private:
-  std::string_view bytes_;
-};
 
 Json header_of(const PolicyFile& file) {
   Json layers = Json::array();
@@ -113,7 +78,7 @@ std::uint64_t random_state_of(const std::string& text) {
   return state;
 }
 
-PolicyFile from_header(const Json& header, Reader& reader) {
+PolicyFile from_header(const Json& header, detail::FloatReader& reader) {
   PolicyFile file;
   file.problem_digest = header.at("problem_digest").get<std::string>();
   file.problem_name = header.at("problem").get<std::string>();
@@ -164,11 +129,11 @@ PolicyFile from_header(const Json& header, Reader& reader) {
 std::string policy_bytes(const PolicyFile& file) {
   std::string bytes = header_of(file).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
   for (const DenseLayer& layer : file.trained.policy.layers) {
-    append(bytes, layer.weights);
-    append(bytes, layer.bias);
+    detail::append_floats(bytes, layer.weights);
+    detail::append_floats(bytes, layer.bias);
   }
-  append(bytes, file.trained.training.network);
-  return bytes + detail::sha256_hex(bytes);
+  detail::append_floats(bytes, file.trained.training.network);
+  return detail::sealed(std::move(bytes));
 }
 
 PolicyFile parse_policy(std::string_view bytes) {
@@ -177,15 +142,10 @@ PolicyFile parse_policy(std::string_view bytes) {
         "this is no policy of `orasp train`: it does not begin with "
         "{\"format\":\"orasp-policy/1\"");
   }
-  const std::size_t line = bytes.find('\n');
-  if (line == std::string_view::npos || bytes.size() < line + 1 + kChecksum)
-    throw InputError("the policy is damaged: it is cut off");
-  const std::string_view body = bytes.substr(0, bytes.size() - kChecksum);
-  if (detail::sha256_hex(body) != bytes.substr(body.size()))
-    throw InputError("the policy is damaged or cut off: its checksum does not fit");
+  const auto [line, numbers] = detail::opened(bytes);
   try {
-    Reader reader(body.substr(line + 1));
-    return from_header(Json::parse(body.substr(0, line)), reader);
+    detail::FloatReader reader(numbers);
+    return from_header(Json::parse(line), reader);
   } catch (const Json::parse_error& error) {  // whose own words repeat bytes of the file
     throw InputError(
         fmt::format("the policy's first line is not JSON from byte {} on", error.byte));
