@@ -324,8 +324,8 @@ void Expander::Scratch::leave_list_if_told(std::uint64_t& asked) const {
   if (rules.listing.stop(bytes)) throw detail::ListingStopped{bytes};
 }
 
-// The pieces, each with its parts ascending, and for each the others that some of `connections` lead
-// to, ascending.
+// The pieces, each with its parts ascending, and for each the others that some of `connections`
+// lead to, ascending.
 Expander::Scratch::TouchingPieces Expander::Scratch::touching_pieces(SetView there,
                                                                      SetView connections) const {
   TouchingPieces found;

@@ -28,8 +28,8 @@ namespace {
 
 using Words = std::vector<std::uint64_t>;
 
-/// Sets the plan of a result to that which goes through these states. Their steps were listed before
-/// and are listed to the end, although time may be over by now.
+/// Sets the plan of a result to that which goes through these states. Their steps were listed
+/// before and are listed to the end, although time may be over by now.
 void take_states(const TransitionSystem& system, const Words& states, Result& result) {
   const ListingScope as_before(system, {.most = system.rules().listing.most});
   take_walk(Expander(system).steps_along(states), result);
