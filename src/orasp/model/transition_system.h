@@ -307,11 +307,22 @@ class Expander {
   /// @throws InputError if an expression or a callable yields a reward that is not finite.
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
 
+  /// The steps that take parts off one piece, whatever else is there: where StepKind::Part and
+  /// TransitionSystem::takes_apart(). `piece`: the connections among its parts. `completes`: whether
+  /// the step that completes is one of them (in disassembly one that leaves nothing of the piece;
+  /// backwards any). Of the rules those that tell a step by its piece: all but `after_any` and
+  /// `made_after_any`, and of the others what they say where all other pieces are taken apart. So
+  /// no step of any plan is missing. Rewards are those of legal_actions where
+  /// TransitionSystem::sees_piece_only(). Successors are those of the piece.
+  [[nodiscard]] std::span<const Action> piece_steps(SetView piece, bool completes);
+
   /// Writes to `next` the state that the action leads to. Where wide(), the action is one of those
   /// that the last call of legal_actions gave, for this very state.
   void successor(SetView state, const Action& action, std::span<std::uint64_t> next) const;
   /// What the action takes; where wide(), of the last call of legal_actions, as above.
   [[nodiscard]] PlanStep plan_step(const Action& action) const;
+  /// Whether a legal action leads from one state to the other.
+  [[nodiscard]] bool leads_to(SetView from, SetView to);
   /// What the steps of a walk take, from state to state (each of words() words, one after another,
   /// the first of them the start of the walk). Of several ways between two states it is one that
   /// earns most. @throws std::logic_error if no legal action leads from one to the next.
@@ -389,6 +400,7 @@ class Expander {
   /// States whose steps a function of many steps (Callable::rewards) is asked about at once.
   static constexpr std::size_t kMostAsked = 4096;
   struct Scratch;
+  [[nodiscard]] std::optional<Action> best_action_to(SetView from, SetView to);
   [[nodiscard]] bool asks_for_many() const;
   void expand_many(std::span<const std::uint64_t> states);
   [[nodiscard]] std::span<const Action> actions_of_many(std::size_t i) const;

@@ -203,6 +203,7 @@ void Expander::Scratch::offer_move(SetView open, StepFacts& facts, const Movemen
   // Backwards, the step that completes is the first one.
   if (rules.assembly && !rules.making)
     facts.completes = std::ranges::equal(open, rules.start.view());
+  if (piece_completes) facts.completes = *piece_completes && (rules.assembly || nothing_left);
   std::optional<std::size_t> by_direction;
   for (std::size_t i = 0; i < rules.context.radix.size(); ++i) {
     here[i] = 0;
@@ -528,7 +529,9 @@ void Expander::Scratch::offer_part(SetView open, std::span<const PartIndex> move
   }
   next_open.assign(open.begin(), open.end());
   for (const ConnectionIndex c : between) next_open[c / 64] &= ~(std::uint64_t{1} << (c % 64));
-  if (!rules.state_allowed(next_open)) return;
+  const bool allowed = piece_completes ? rules.precedence_met_within(next_open, between)
+                                       : rules.state_allowed(next_open);
+  if (!allowed) return;
   if (rules.blocking && !some_direction_free()) return;
   facts.connection = between.front();
   const std::size_t there = count(before);
@@ -540,6 +543,14 @@ void Expander::Scratch::offer_part(SetView open, std::span<const PartIndex> move
   pieces.rest_sizes = rest_sizes;
   if (rules.assembly && !rules.making) facts.elapsed -= pieces.duration(facts);
   offer_move(open, facts, movement, between);
+}
+
+std::span<const Action> Expander::piece_steps(SetView piece, bool completes) {
+  // An Expander whose list was left (ListingStopped) is not used again.
+  scratch_->piece_completes = completes;
+  const std::span<const Action> steps = scratch_->wide_actions(piece);
+  scratch_->piece_completes.reset();
+  return steps;
 }
 
 void Expander::successor(SetView state, const Action& action, std::span<std::uint64_t> next) const {
@@ -562,29 +573,36 @@ PlanStep Expander::plan_step(const Action& action) const {
   return {{first, first + static_cast<std::ptrdiff_t>(move.size)}, move.direction};
 }
 
+// Of the legal actions that lead from one state to the other one that earns most.
+std::optional<Action> Expander::best_action_to(SetView from, SetView to) {
+  // Where steps take parts off there may be too many of them to go through. Where a goal is
+  // reached, what is left open is not known.
+  const bool over = system_.ends(to) && scratch_->rules.has_goal;
+  if (!over) scratch_->target.assign(to.begin(), to.begin() + scratch_->rules.words);
+  std::vector<std::uint64_t> next(system_.words());
+  std::optional<Action> best;
+  for (const Action& action : legal_actions(from)) {
+    successor(from, action, next);
+    if (std::ranges::equal(next, to) && (!best || action.reward > best->reward)) best = action;
+  }
+  scratch_->target.clear();
+  return best;
+}
+
+bool Expander::leads_to(SetView from, SetView to) {
+  return best_action_to(from, to).has_value();
+}
+
 PlanWalk Expander::steps_along(std::span<const std::uint64_t> states) {
   const std::size_t words = system_.words();
   PlanWalk walk;
-  std::vector<std::uint64_t> next(words);
   for (std::size_t i = 0; (i + 2) * words <= states.size(); ++i) {
-    const SetView from = states.subspan(i * words, words);
-    const SetView to = states.subspan((i + 1) * words, words);
-    // Where steps take parts off there may be too many of them to go through. Where a goal is
-    // reached, what is left open is not known.
-    const bool over = system_.ends(to) && scratch_->rules.has_goal;
-    if (!over) scratch_->target.assign(to.begin(), to.begin() + scratch_->rules.words);
-    const Action* best = nullptr;
-    for (const Action& action : legal_actions(from)) {
-      successor(from, action, next);
-      if (std::ranges::equal(next, to) && (best == nullptr || action.reward > best->reward))
-        best = &action;
-    }
-    if (best == nullptr)
-      throw std::logic_error("no step leads from one state of a plan to the next");
+    const auto best =
+        best_action_to(states.subspan(i * words, words), states.subspan((i + 1) * words, words));
+    if (!best) throw std::logic_error("no step leads from one state of a plan to the next");
     PlanStep step = plan_step(*best);
     walk.reward += best->reward;
     if (!step.connections.empty()) walk.steps.push_back(std::move(step));
-    scratch_->target.clear();
   }
   return walk;
 }

@@ -9,6 +9,7 @@
 #include "orasp/containers/parallel.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/detail/and_or_search.h"
+#include "orasp/planners/detail/part_trees.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
 
@@ -159,7 +160,8 @@ Result run_rounds(const TransitionSystem& system, const AndOrOptions& options,
 }  // namespace
 
 std::optional<std::string> and_or_obstacle(const TransitionSystem& system) {
-  if (system.whole() && !system.wide() && system.sees_piece_only() &&
+  const bool plain = !system.wide() || detail::takes_part_trees(system);
+  if (system.whole() && plain && system.sees_piece_only() &&
       system.problem().num_parts() <= kAndOrMostParts)
     return std::nullopt;
   return "takes whole problems of at most " + std::to_string(kAndOrMostParts) +
@@ -176,6 +178,7 @@ Result searched(const TransitionSystem& system, const AndOrOptions& options, con
     return empty;
   }
   if (const auto reason = and_or_obstacle(system)) throw Refusal("and-or", *reason);
+  if (system.wide()) return detail::part_trees(system, budget);
   const std::size_t words = (system.problem().num_parts() + 63) / 64;
   Result result;
   try {

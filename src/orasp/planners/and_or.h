@@ -49,7 +49,9 @@ struct AndOrOptions {
 /// Assembly.   The same tree, read from its leaves: A and B are put together. The step that
 ///             completes is then the first one from the root, so at the root alone the steps that
 ///             can be the last joint are looked at one by one, with what completing adds to each.
-/// Limit.      At most kAndOrMostParts parts, objectives that see the piece only.
+/// Parts.      Where steps take parts off (StepKind::Part) each takes a connected set of them, and
+///             the rest may fall into many pieces: planners/detail/part_trees.h.
+/// Limit.      At most kAndOrMostParts parts, objectives that see the piece only; no goal.
 /// Repeatable. Ties go to the cut listed first.
 /// @throws Refusal where the objective or the direction does not allow it: and_or_obstacle().
 [[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,

@@ -246,6 +246,17 @@ bool Rules::state_allowed(SetView open) const {
   return true;
 }
 
+bool Rules::precedence_met_within(SetView open, std::span<const ConnectionIndex> handled) const {
+  if (after.empty()) return true;
+  return std::ranges::all_of(handled, [&](ConnectionIndex c) {
+    for (std::size_t w = 0; w < words; ++w) {
+      const std::uint64_t self = w == c / 64 ? std::uint64_t{1} << (c % 64) : 0;
+      if ((after[c * words + w] & (open[w] | self)) != 0) return false;
+    }
+    return true;
+  });
+}
+
 void Rules::set_situation(const Situation& situation) {
   const std::size_t connections = graph.num_connections();
   situation.require_over(connections);

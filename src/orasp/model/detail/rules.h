@@ -128,6 +128,10 @@ struct Rules {
   /// Whether precedence allows a state, where a step may handle several connections: what is gone
   /// went with or after all that it had to wait for, and what is there has what it needs.
   [[nodiscard]] bool state_allowed(SetView open) const;
+  /// Whether nothing of what is there in the state `open` must go before one of `handled`, by
+  /// `after` and its like; lists of which one is enough are not looked at.
+  [[nodiscard]] bool precedence_met_within(SetView open,
+                                           std::span<const ConnectionIndex> handled) const;
   /// Whether the goal holds where these connections are there.
   [[nodiscard]] bool goal_holds(SetView present) const {
     for (std::size_t w = 0; w < words; ++w) {

@@ -17,6 +17,8 @@
 #include "orasp/model/detail/rules.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/and_or.h"
+#include "orasp/planners/detail/part_trees.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
 #include "orasp/task/detail/listing_watch.h"
@@ -493,7 +495,8 @@ bool turns_round(const TransitionSystem& system) {
          !system.looks_back();
 }
 
-/// A plan of system.backwards() as one of `system`. No plan: it is none there.
+}  // namespace
+
 Result turned_round(const TransitionSystem& system, Result result) {
   if (!result.has_plan()) return result;
   Words states(system.start_state().begin(), system.start_state().end());
@@ -515,6 +518,8 @@ Result turned_round(const TransitionSystem& system, Result result) {
   const bool same = meets(result.reward, reward) && meets(reward, result.reward);
   return same ? result : Result();
 }
+
+namespace {
 
 /// Where steps take parts off and there were too many of them to list, a quick plan.
 Result or_quick_plan(const TransitionSystem& system, Result result) {
@@ -801,27 +806,57 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     judge_by(plan.reward, plan);
     return answer(std::move(plan), "the plan earns as much as the bound allows");
   }
-  // Best first, as long as that is quick.
   double most = kInfinity;
+  const auto add = [&](Result found) {
+    if (found.bound) most = std::min(most, *found.bound);
+    if (found.has_plan() && found.reward > plan.reward) plan = std::move(found);
+  };
+  const bool by_pieces = !many && takes_part_trees(system) && !and_or_obstacle(system);
+  // Best first, as long as that is quick.
   if (bounded) {
     Budget look = budget;
-    look.max_expansions = std::min(budget.max_expansions, expansions_at_first(system, 3e8));
+    constexpr std::uint64_t kFewest = 500;
+    const std::uint64_t few = by_pieces ? kFewest : expansions_at_first(system, 3e8);
+    look.max_expansions = std::min(budget.max_expansions, few);
     Result found = wide_a_star(system, look);
     if (found.status == Status::Optimal || found.status == Status::Infeasible)
       return answer(std::move(found), "a-star, since few states promise enough");
-    if (found.bound) most = *found.bound;
+    add(std::move(found));
+  }
+  if (by_pieces) {
+    // Piece by piece, for the first half of the time.
+    constexpr std::uint64_t kMostPieces = 200'000;
+    Budget look = budget;
+    look.max_expansions = std::min(budget.max_expansions, kMostPieces);
+    const auto now = Budget::Clock::now();
+    if (budget.deadline) look.deadline = now + (*budget.deadline - now) / 2;
+    Result found = part_trees(system, look);
+    if (found.status == Status::Optimal || found.status == Status::Infeasible)
+      return answer(std::move(found), "and-or, since the objective sees the piece only");
+    add(std::move(found));
+    if (plan.has_plan() && meets(plan.reward, most)) {
+      judge_by(most, plan);
+      return answer(std::move(plan), "the plan earns as much as and-or allows");
+    }
   }
   const GraphEstimate estimate = estimate_graph(system, budget);
-  if ((estimate.exact && estimate.bytes <= static_cast<double>(allowed_bytes(budget))) || !bounded)
-    return answer(value_iteration(system, {}, budget),
-                  bounded ? "value-iteration, since the state-action graph is small"
-                          : "value-iteration, since no bound is known for the objective");
-  Result result = wide_beam(system, &plan, budget);
-  if (result.status == Status::Feasible) {
-    result.bound = std::max(result.reward, std::min(result.bound.value_or(kInfinity), most));
-    judge_by(result.bound, result);
+  const bool fits = estimate.exact && estimate.bytes <= static_cast<double>(allowed_bytes(budget));
+  const bool builds = fits || !bounded;
+  Result result = builds ? value_iteration(system, {}, budget) : wide_beam(system, &plan, budget);
+  if (result.status == Status::Feasible || result.status == Status::Unknown) {
+    // It was stopped: what was found before may be better.
+    if (plan.has_plan() && plan.reward > result.reward) {
+      take_plan(plan, result);
+      result.notes.clear();
+    }
+    most = std::min(most, result.bound.value_or(kInfinity));
+    if (result.reward > -kInfinity)
+      judge_by(most < kInfinity ? std::optional(most) : std::nullopt, result);
   }
-  return answer(std::move(result), "beam, since the state-action graph is too large to build");
+  return answer(std::move(result),
+                !builds ? "beam, since the state-action graph is too large to build"
+                : fits  ? "value-iteration, since the state-action graph is small"
+                        : "value-iteration, since no bound is known for the objective");
 }
 
 }  // namespace orasp::detail

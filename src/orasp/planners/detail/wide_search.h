@@ -48,6 +48,10 @@ namespace orasp::detail {
 /// where single parts do.
 [[nodiscard]] Result plan_of_few_moves(const TransitionSystem& system, const Budget& budget);
 
+/// A plan of system.backwards() as one of `system`, by the steps that each of them takes there. No
+/// plan: it is none there, or earns something else.
+[[nodiscard]] Result turned_round(const TransitionSystem& system, Result result);
+
 /// What auto does.
 [[nodiscard]] Result wide_automatic(const TransitionSystem& system, const Budget& budget);
 
