@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/exit_codes.h"
@@ -19,6 +20,7 @@
 #include "orasp/explain/explain_connection.h"
 #include "orasp/explain/explain_problem.h"
 #include "orasp/io/explanation_json.h"
+#include "orasp/model/validate.h"
 
 namespace orasp::cli {
 namespace {
@@ -52,38 +54,105 @@ std::string cut(std::string_view text, std::size_t width) {
 // -------------------------------------------------------------------------------------------------
 // The whole problem
 
-/// Which connections cannot be the first, and one reason each.
-std::string refusals_text(const Problem& problem, const Context& context) {
-  const TransitionSystem system(problem);
-  Expander expander(system);
-  const ConnectionSet start = system.start();
-  std::vector<std::pair<ConnectionIndex, Violation>> refused;
-  std::vector<bool> legal(problem.num_connections(), false);
-  for (const Action& action : expander.legal_actions(start.view())) legal[action.connection] = true;
+/// What cannot go first, and one reason each: of the first kRefusalsShown of them.
+struct Refusals {
   std::size_t count = 0;
-  std::size_t width = 0;
-  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
-    if (legal[c]) continue;
-    if (count++ >= kRefusalsShown) continue;
-    refused.emplace_back(c, expander.violations(start.view(), c).front());
-    width = std::max(width, display_width(printable(problem.connection_id(c))));
+  std::vector<std::pair<std::string, Violation>> shown;
+
+  /// `why` is asked only for what is shown.
+  template <class Why>
+  void add(const std::string& id, Why&& why) {
+    if (count++ < kRefusalsShown) shown.emplace_back(printable(id), why());
   }
-  if (problem.num_connections() == 0) return "there is no connection, so the plan is empty\n";
-  if (count == 0) return "every connection may go first\n";
-  std::string text =
-      fmt::format("{} may go first, {} may not:\n",
-                  counted(problem.num_connections() - count, "connection"), grouped(count));
-  for (const auto& [c, violation] : refused) {
-    const std::string id = printable(problem.connection_id(c));
+};
+
+std::string text_of(const Refusals& refusals, const Context& context) {
+  std::size_t width = 0;
+  for (const auto& [id, violation] : refusals.shown) width = std::max(width, display_width(id));
+  std::string text;
+  for (const auto& [id, violation] : refusals.shown) {
     const std::string head = "  " + id + std::string(width - display_width(id) + 2, ' ') +
                              std::string(constraint_name(violation.constraint)) + ": ";
     const std::size_t room =
         context.width() > display_width(head) + 20 ? context.width() - display_width(head) : 20;
     text += head + cut(violation.message, room) + '\n';
   }
-  if (count > kRefusalsShown)
-    text += fmt::format("  ... and {} more\n", grouped(count - kRefusalsShown));
+  if (refusals.count > kRefusalsShown)
+    text += fmt::format("  ... and {} more\n", grouped(refusals.count - kRefusalsShown));
   return text;
+}
+
+/// Which connections cannot be the first, and one reason each.
+std::string refusals_text(const Problem& problem, const Context& context) {
+  const TransitionSystem system(problem);
+  Expander expander(system);
+  const ConnectionSet start = system.start();
+  std::vector<bool> legal(problem.num_connections(), false);
+  for (const Action& action : expander.legal_actions(start.view())) legal[action.connection] = true;
+  Refusals refusals;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if (legal[c]) continue;
+    refusals.add(problem.connection_id(c),
+                 [&] { return expander.violations(start.view(), c).front(); });
+  }
+  if (problem.num_connections() == 0) return "there is no connection, so the plan is empty\n";
+  if (refusals.count == 0) return "every connection may go first\n";
+  return fmt::format("{} may go first, {} may not:\n",
+                     counted(problem.num_connections() - refusals.count, "connection"),
+                     grouped(refusals.count)) +
+         text_of(refusals, context);
+}
+
+/// Why a part cannot come off first by itself, without the step that would take it off.
+Violation of_part(const Problem& problem, PartIndex part, const PlanStep& step,
+                  Violation violation) {
+  if (violation.constraint == Constraint::Blocking) {
+    std::vector<std::string> in_the_way;
+    for (const Blocker& blocker : problem.blockers()[part])
+      in_the_way.push_back(in_quotes(problem.part_id(blocker.by)));
+    violation.message =
+        fmt::format("no direction is free; in the way: {}", fmt::join(in_the_way, ", "));
+    return violation;
+  }
+  const std::string id = in_quotes(problem.connection_id(step.connections.front()));
+  const std::string cut = "step 1, which removes " + id + ", ";
+  const std::string does = "step 1 removes " + id + " before ";
+  if (violation.message.starts_with(cut)) {
+    violation.message = "this " + violation.message.substr(cut.size());
+  } else if (violation.message.starts_with(does)) {
+    violation.message = id + " must go after " + violation.message.substr(does.size());
+  }
+  return violation;
+}
+
+/// Where steps take parts off: which parts cannot come off first, each by itself, and one reason
+/// each. A part of the base and one that nothing holds are not asked about.
+std::string parts_refused_text(const Problem& problem, const Context& context) {
+  const TransitionSystem system(problem);
+  const SetView start = system.start_state();
+  std::vector<PlanStep> alone(problem.num_parts());
+  for_each_connection(system.open(start), [&](ConnectionIndex c) {
+    const auto [first, second] = problem.ends(c);
+    if (first == second) return;
+    alone[first].connections.push_back(c);
+    alone[second].connections.push_back(c);
+  });
+  Refusals refusals;
+  std::size_t asked = 0;
+  for (PartIndex p = 0; p < problem.num_parts(); ++p) {
+    if (problem.in_base(p) || alone[p].connections.empty()) continue;
+    ++asked;
+    const Evaluation one = evaluate(system, {&alone[p], 1});
+    const auto broken = std::ranges::find(one.violations, std::size_t{1}, &StepViolation::step);
+    if (broken == one.violations.end()) continue;
+    refusals.add(problem.part_id(p),
+                 [&] { return of_part(problem, p, alone[p], broken->violation); });
+  }
+  if (asked == 0) return "";
+  if (refusals.count == 0) return "\nevery part may come off first, each by itself\n";
+  return fmt::format("\n{} may come off first, each by itself, {} may not:\n",
+                     counted(asked - refusals.count, "part"), grouped(refusals.count)) +
+         text_of(refusals, context);
 }
 
 int explain_all(const Problem& problem, const ExplainOptions& options, const Context& context) {
@@ -104,8 +173,10 @@ int explain_all(const Problem& problem, const ExplainOptions& options, const Con
     if (found.status == Status::Infeasible) return head + conflict_text(found);
     if (found.status == Status::Unknown)
       return head + "not decided whether a plan exists: " + stop_text(found.stop) + '\n';
-    // What is said of single connections is of no use where steps take several.
-    if (problem.spec().action == StepKind::Part) return head + "a plan exists\n";
+    if (problem.spec().action == StepKind::Part) {
+      const bool takes_off = problem.direction() == Direction::Disassembly;
+      return head + "a plan exists\n" + (takes_off ? parts_refused_text(problem, context) : "");
+    }
     return head + "a plan exists\n\n" + refusals_text(problem, context);
   });
   if (found.status == Status::Infeasible) return kNoPlan;
@@ -247,8 +318,7 @@ int run(const ExplainOptions& options, const Context& context) {
   if (options.connection && problem.spec().action == StepKind::Part)
     throw InputError(
         "explain --connection answers for steps that take one connection; with \"action\": "
-        "\"part\" "
-        "a step takes several");
+        "\"part\" a step takes several: explain says without it which parts may come off first");
   return options.connection ? explain_one(problem, options, context)
                             : explain_all(problem, options, context);
 }

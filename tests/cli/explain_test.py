@@ -43,6 +43,25 @@ class Explain(Case):
         self.check(orasp("explain", "3piece"), 0, out="every connection may go first")
         self.check(orasp("explain", "-", stdin=assembly([])), 0, out="the plan is empty")
 
+    def test_of_steps_that_take_parts_off_it_says_which_parts_cannot_come_off_first(self):
+        product = {
+            "format": "orasp-problem/1", "action": "part", "base": ["box"], "limits": {"max_moved_parts": 2},
+            "parts": [{"id": name} for name in ("box", "lid", "screw", "pin", "plate", "loose")],
+            "connections": [{"id": "hinge", "parts": ["box", "lid"]}, {"id": "thread", "parts": ["box", "screw"]},
+                            {"id": "head", "parts": ["screw", "lid"]}, {"id": "press", "parts": ["box", "pin"]},
+                            {"id": "seat", "parts": ["box", "plate"]}],
+            "precedence": [{"connection": "press", "after": ["hinge"]}],
+            "blocking": {"directions": ["+z", "-z"],
+                         "blocked": [{"part": "lid", "by": "screw", "directions": ["+z"]},
+                                     {"part": "lid", "by": "box", "directions": ["-z"]}]}}
+        answer = orasp("explain", self.file("box.json", json.dumps(product)))
+        self.check(answer, 0, out=r"a plan exists\n\n2 parts may come off first, each by itself, 2 may not:\n")
+        self.assertIn('  lid  blocking: no direction is free; in the way: "box", "screw"\n', answer.out)
+        self.assertIn('  pin  precedence: "press" must go after "hinge", against precedence[0]\n', answer.out)
+        self.check(orasp("explain", self.file("box.json", json.dumps({**product, "limits": {"max_moved_parts": 0}}))), 10)
+        del product["precedence"], product["blocking"]
+        self.check(orasp("explain", self.file("box.json", json.dumps(product))), 0, out="every part may come off first, each by itself")
+
     def test_a_connection_that_cannot_go_first(self):
         answer = orasp("explain", "lattice", "--connection", "4-5")
         self.check(answer, 10, out=r'"4-5" cannot be removed first\n\n  precedence\[1\]: .*\n    remove first "7-8"\n')

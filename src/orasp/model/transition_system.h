@@ -308,11 +308,11 @@ class Expander {
   [[nodiscard]] std::span<const Action> legal_actions(SetView open);
 
   /// The steps that take parts off one piece, whatever else is there: where StepKind::Part and
-  /// TransitionSystem::takes_apart(). `piece`: the connections among its parts. `completes`: whether
-  /// the step that completes is one of them (in disassembly one that leaves nothing of the piece;
-  /// backwards any). Of the rules those that tell a step by its piece: all but `after_any` and
-  /// `made_after_any`, and of the others what they say where all other pieces are taken apart. So
-  /// no step of any plan is missing. Rewards are those of legal_actions where
+  /// TransitionSystem::takes_apart(). `piece`: the connections among its parts. `completes`:
+  /// whether the step that completes is one of them (in disassembly one that leaves nothing of the
+  /// piece; backwards any). Of the rules those that tell a step by its piece: all but `after_any`
+  /// and `made_after_any`, and of the others what they say where all other pieces are taken apart.
+  /// So no step of any plan is missing. Rewards are those of legal_actions where
   /// TransitionSystem::sees_piece_only(). Successors are those of the piece.
   [[nodiscard]] std::span<const Action> piece_steps(SetView piece, bool completes);
 

@@ -106,7 +106,7 @@ struct Expander::Scratch {
   /// in which this is open.
   std::vector<std::uint64_t> target;
   std::size_t subassemblies_now = 0;  ///< pieces of two or more parts before the moves listed
-  /// Where the steps of one piece are listed (Expander::piece_steps): whether one of them completes.
+  /// Where the steps of one piece are listed (Expander::piece_steps): whether one completes.
   std::optional<bool> piece_completes;
   void offer_part(SetView open, std::span<const PartIndex> moved,
                   std::span<const std::vector<PartIndex>> rest);
