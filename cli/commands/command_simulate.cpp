@@ -19,7 +19,6 @@
 #include "cli/output/text.h"
 #include "orasp/catalogue.h"
 #include "orasp/execution/simulation.h"
-#include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
 #include "orasp/model/validate.h"
@@ -28,17 +27,6 @@
 
 namespace orasp::cli {
 namespace {
-
-/// What is followed, and what came of it.
-struct Outcome {
-  std::vector<ConnectionIndex> plan;  ///< empty: none was given
-  Status status = Status::Unknown;    ///< Infeasible: what is followed may end in a dead end
-  double expected = 0;                ///< reward
-  double expected_attempts = 0;
-  bool proved_best = true;  ///< what was found to be followed
-  Simulation simulation;
-  std::vector<std::string> notes;
-};
 
 struct AttemptFigures {
   double mean = 0;
@@ -59,19 +47,6 @@ double standard_error(const RewardFigures& figures, std::size_t runs) {
   return runs == 0 ? 0 : figures.deviation / std::sqrt(static_cast<double>(runs));
 }
 
-/// The replay of a plan that is legal where nothing fails. @throws InputError.
-Evaluation legal_plan(const Problem& problem, const std::string& file, const Context& context) {
-  const PlanFile plan = read_plan(file, problem.direction());
-  warn_of_another_problem(context, plan.problem_digest, problem);
-  Evaluation evaluation = replayed(problem, plan);
-  if (!evaluation.valid) {
-    const StepViolation& first = evaluation.violations.front();
-    throw InputError(fmt::format("the plan cannot be followed: step {}, {}: {}", first.step,
-                                 in_quotes(first.connection), first.violation.message));
-  }
-  return evaluation;
-}
-
 std::vector<PolicyState> policy_of(const TransitionSystem& system, const std::string& file) {
   const std::string text = read_text(file);
   try {
@@ -81,88 +56,32 @@ std::vector<PolicyState> policy_of(const TransitionSystem& system, const std::st
   }
 }
 
-/// Where every attempt succeeds, a plan goes as it stands.
-Outcome certain_outcome(const Problem& problem, const SimulateOptions& options,
-                        const Context& context) {
-  if (!options.policy.empty())
+Followed followed(const TransitionSystem& system, const SimulateOptions& options,
+                  const Context& context) {
+  const Problem& problem = system.problem();
+  if (system.wide() && !options.policy.empty())
     throw InputError(
         "--policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
-  Outcome outcome;
-  std::size_t attempts = 0;
-  Stop stop = Stop::None;
+  std::optional<Evaluation> plan;
   if (!options.plan.empty()) {
-    const Evaluation evaluation = legal_plan(problem, options.plan, context);
-    outcome.expected = evaluation.reward;
-    attempts = evaluation.steps.size();
-  } else {
-    ProgressLine progress(context, title(problem, options.problem) + ", simulate");
-    Budget budget = make_budget(options.limits);
-    progress.attach_to(budget);
-    const Result result = solve(Task(problem), "auto", Options(), budget);
-    if (!result.has_plan()) {
-      outcome.status = result.status;
-      outcome.simulation.stop = result.stop;
-      outcome.notes = result.notes;
-      return outcome;
-    }
-    outcome.proved_best = result.status == Status::Optimal;
-    outcome.expected = result.reward;
-    attempts = result.steps.empty() ? result.sequence.size() : result.steps.size();
-    stop = result.stop;
+    const PlanFile file = read_plan(options.plan, problem.direction());
+    warn_of_another_problem(context, file.problem_digest, problem);
+    plan = replayed(problem, file);
   }
-  outcome.status = Status::Feasible;
-  outcome.expected_attempts = static_cast<double>(attempts);
-  outcome.simulation =
-      certain_runs(outcome.expected, attempts, stop, {.runs = options.count, .seed = options.seed});
-  return outcome;
-}
-
-Outcome outcome_of(const TransitionSystem& system, const SimulateOptions& options,
-                   const Context& context) {
-  const Problem& problem = system.problem();
-  Outcome outcome;
-  if (const std::optional<Violation> reason = system.infeasibility()) {
-    outcome.status = Status::Infeasible;
-    outcome.notes = {reason->message};
-    return outcome;
-  }
-  UncertainGraph::Guide guide;
-  if (!options.plan.empty()) {
-    for (const Step& step : legal_plan(problem, options.plan, context).steps)
-      outcome.plan.push_back(step.connection);
-    guide = guide_by_plan(outcome.plan);
-  } else if (!options.policy.empty()) {
-    guide = guide_by_policy(system, policy_of(system, options.policy));
-  }
+  std::optional<std::vector<PolicyState>> policy;
+  if (!options.policy.empty()) policy = policy_of(system, options.policy);
 
   ProgressLine progress(context, title(problem, options.problem) + ", simulate");
   Budget budget = make_budget(options.limits);
   progress.attach_to(budget);
-  const UncertainGraph graph = UncertainGraph::build(system, budget, guide);
-  if (graph.stop() != Stop::None) {
-    outcome.simulation.stop = graph.stop();
-    outcome.notes = {"stopped before all states were known that attempts lead to"};
-    return outcome;
-  }
-  const UncertainSolution solution = solve_uncertain(graph);
-  if (!std::isfinite(solution.values[0])) {
-    outcome.status = Status::Infeasible;
-    outcome.notes = {options.plan.empty()
-                         ? "whatever is attempted, a state may be met that has no legal step"
-                         : "the plan may end in a state that has no legal step, and its expected "
-                           "reward is minus infinity; `orasp solve` finds a policy that cannot, if "
-                           "there is one"};
-    return outcome;
-  }
-  outcome.status = Status::Feasible;
-  outcome.expected = solution.values[0];
-  outcome.expected_attempts = solution.attempts[0];
-  outcome.simulation = simulate(graph, solution.choice, outcome.plan,
-                                {.runs = options.count, .seed = options.seed}, budget);
-  return outcome;
+  const auto find = [&](const Budget& within) {
+    return solve(Task(problem), "auto", Options(), within);
+  };
+  return follow(system, plan ? &*plan : nullptr, policy ? &*policy : nullptr, find,
+                {.runs = options.count, .seed = options.seed}, budget);
 }
 
-nlohmann::ordered_json as_json(const Outcome& outcome, const RewardFigures& figures,
+nlohmann::ordered_json as_json(const Followed& outcome, const RewardFigures& figures,
                                const AttemptFigures& attempts, const SimulateOptions& options) {
   const std::size_t runs = outcome.simulation.rewards.size();
   const auto number = [&](double value) {
@@ -189,7 +108,7 @@ nlohmann::ordered_json as_json(const Outcome& outcome, const RewardFigures& figu
           {"replanned", outcome.simulation.replanned}};
 }
 
-std::string summary(const Problem& problem, const Outcome& outcome, const RewardFigures& figures,
+std::string summary(const Problem& problem, const Followed& outcome, const RewardFigures& figures,
                     const AttemptFigures& attempts, const SimulateOptions& options) {
   const Simulation& simulation = outcome.simulation;
   const std::size_t runs = simulation.rewards.size();
@@ -240,8 +159,7 @@ int run(const SimulateOptions& options, const Context& context) {
       load_one_robot_problem(options.problem, options.changes, context, "simulate");
   const TransitionSystem system(problem);
   if (const auto reason = simulation_obstacle(system)) throw InputError(*reason);
-  const Outcome outcome = system.wide() ? certain_outcome(problem, options, context)
-                                        : outcome_of(system, options, context);
+  const Followed outcome = followed(system, options, context);
   const RewardFigures figures = figures_of(outcome.simulation.rewards);
   const AttemptFigures attempts = attempt_figures(outcome.simulation.attempts);
   if (options.json) {

@@ -18,7 +18,6 @@
 #include "orasp/explain/explain_connection.h"
 #include "orasp/explain/explain_problem.h"
 #include "orasp/fleet/fleet_validate.h"
-#include "orasp/graph/uncertain_graph.h"
 #include "orasp/io/explanation_json.h"
 #include "orasp/io/fleet_plan_json.h"
 #include "orasp/io/plan_json.h"
@@ -212,121 +211,40 @@ py::tuple sample(const ProblemPointer& problem, std::uint64_t count, std::uint64
                         name_of(drawn.last.stop), drawn.last.notes);
 }
 
-/// What is followed, and what came of it.
-struct Followed {
-  std::vector<ConnectionIndex> plan;
-  bool infeasible = false;
-  std::optional<double> expected{};
-  std::optional<double> expected_attempts{};
-  Simulation simulation;
-  std::vector<std::string> notes;
-};
-
-/// The replay of a plan that is legal where nothing fails. @throws InputError.
-Evaluation legal_plan(const Problem& problem, const std::string& text) {
-  const PlanFile plan = parse_plan(text, problem.direction());
-  Evaluation evaluation = replayed(problem, plan);
-  if (!evaluation.valid) {
-    const StepViolation& first = evaluation.violations.front();
-    throw InputError(fmt::format("the plan cannot be followed: step {}, \"{}\": {}", first.step,
-                                 first.connection, first.violation.message));
-  }
-  return evaluation;
-}
-
-/// Where every attempt succeeds, a plan goes as it stands.
-Followed certainly_followed(const Problem& problem, const std::optional<std::string>& plan,
-                            const SimulationOptions& options, const Budget& budget) {
-  Followed found;
-  std::size_t attempts = 0;
-  Stop stop = Stop::None;
-  if (plan) {
-    const Evaluation evaluation = legal_plan(problem, *plan);
-    found.expected = evaluation.reward;
-    attempts = evaluation.steps.size();
-  } else {
-    const Result result = solve(Task(problem), "auto", Options(), budget);
-    if (!result.has_plan()) {
-      found.infeasible = result.status == Status::Infeasible;
-      found.simulation.stop = result.stop;
-      found.notes = result.notes;
-      return found;
-    }
-    if (result.status != Status::Optimal) found.notes = {"the plan is not proved best"};
-    found.expected = result.reward;
-    attempts = result.steps.empty() ? result.sequence.size() : result.steps.size();
-    stop = result.stop;
-  }
-  found.expected_attempts = static_cast<double>(attempts);
-  found.simulation = certain_runs(*found.expected, attempts, stop, options);
-  return found;
-}
-
-Followed followed(const TransitionSystem& system, const std::optional<std::string>& plan,
-                  const std::optional<std::string>& policy, const SimulationOptions& options,
-                  const Budget& budget) {
-  const Problem& problem = system.problem();
-  Followed found;
-  if (const std::optional<Violation> reason = system.infeasibility()) {
-    found.infeasible = true;
-    found.notes = {reason->message};
-    return found;
-  }
-  UncertainGraph::Guide guide;
-  if (plan) {
-    for (const Step& step : legal_plan(problem, *plan).steps) found.plan.push_back(step.connection);
-    guide = guide_by_plan(found.plan);
-  }
-  const std::vector<PolicyState> states =
-      policy ? parse_state_policy(system, *policy) : std::vector<PolicyState>();
-  if (policy) guide = guide_by_policy(system, states);
-  const UncertainGraph graph = UncertainGraph::build(system, budget, guide);
-  if (graph.stop() != Stop::None) {
-    found.simulation.stop = graph.stop();
-    found.notes = {"stopped before all states were known that attempts lead to"};
-    return found;
-  }
-  const UncertainSolution solution = solve_uncertain(graph);
-  if (!std::isfinite(solution.values[0])) {
-    found.infeasible = true;
-    found.notes = {plan ? "the plan may end in a state that has no legal step, and its expected "
-                          "reward is minus infinity; `orasp solve` finds a policy that cannot, if "
-                          "there is one"
-                        : "whatever is attempted, a state may be met that has no legal step"};
-    return found;
-  }
-  found.expected = solution.values[0];
-  found.expected_attempts = solution.attempts[0];
-  found.simulation = simulate(graph, solution.choice, found.plan, options, budget);
-  return found;
-}
-
 py::tuple simulate_problem(const ProblemPointer& problem, const std::optional<std::string>& plan,
                            const std::optional<std::string>& policy, std::uint64_t count,
                            std::uint64_t seed, Run run) {
   require_one_robot(*problem, "simulate");
   const TransitionSystem system(*problem);
   if (const auto reason = simulation_obstacle(system)) throw InputError(*reason);
+  if (system.wide() && policy)
+    throw InputError(
+        "policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
   Followed found;
   run.calls_back = calls_python(*problem);
   run_watched(run, true, [&](const Budget& budget) {
-    const SimulationOptions options{.runs = count, .seed = seed};
-    if (!system.wide()) {
-      found = followed(system, plan, policy, options, budget);
-    } else if (policy) {
-      throw InputError(
-          "policy: a policy is for attempts that may fail, and here each succeeds; give a plan");
-    } else {
-      found = certainly_followed(*problem, plan, options, budget);
-    }
+    std::optional<Evaluation> replay;
+    if (plan) replay = replayed(*problem, parse_plan(*plan, problem->direction()));
+    std::optional<std::vector<PolicyState>> states;
+    if (policy) states = parse_state_policy(system, *policy);
+    const auto find = [&](const Budget& within) {
+      return solve(Task(*problem), "auto", Options(), within);
+    };
+    found = follow(system, replay ? &*replay : nullptr, states ? &*states : nullptr, find,
+                   {.runs = count, .seed = seed}, budget);
   });
+  if (!found.proved_best) found.notes.emplace_back("the plan is not proved best");
+  const bool infeasible = found.status == Status::Infeasible;
+  const auto where_known = [&](double value) {
+    return found.status == Status::Feasible ? std::optional(value) : std::nullopt;
+  };
   Simulation& simulation = found.simulation;
   py::object figures = figures_as_tuple(simulation.rewards);
   return py::make_tuple(
       array_of(std::move(simulation.rewards)),
       array_of(std::vector<std::int64_t>(simulation.attempts.begin(), simulation.attempts.end())),
-      std::move(figures), found.expected, found.expected_attempts, simulation.aborted,
-      simulation.replanned, found.infeasible, name_of(simulation.stop), found.notes);
+      std::move(figures), where_known(found.expected), where_known(found.expected_attempts),
+      simulation.aborted, simulation.replanned, infeasible, name_of(simulation.stop), found.notes);
 }
 
 }  // namespace

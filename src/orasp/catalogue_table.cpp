@@ -223,11 +223,15 @@ Result run_exhaustive(const Request& request) {
 Result run_greedy(const Request& request) {
   return request.fleet != nullptr
              ? fleet_greedy(*request.fleet, request.fleet_options(), request.budget)
-             : greedy(*request.system, request.budget);
+             : detail::or_quick_plan(*request.system, greedy(*request.system, request.budget));
 }
 
 Result run_random(const Request& request) {
-  return random_sequence(*request.system, {.seed = request.options.seed}, request.budget);
+  const std::uint64_t seed = request.options.seed;
+  Result result = detail::or_quick_plan(
+      *request.system, random_sequence(*request.system, {.seed = seed}, request.budget));
+  result.seed = seed;
+  return result;
 }
 
 Result run_q_learning(const Request& request) {

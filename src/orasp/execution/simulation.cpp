@@ -1,6 +1,7 @@
 #include "orasp/execution/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -111,19 +112,92 @@ Simulation simulate(const UncertainGraph& graph, std::span<const std::uint32_t> 
   return simulation;
 }
 
-Simulation certain_runs(double reward, std::size_t attempts, Stop stop,
-                        const SimulationOptions& options) {
-  Simulation simulation;
-  simulation.rewards.assign(options.runs, reward);
-  simulation.attempts.assign(options.runs, attempts);
-  simulation.stop = stop;
-  return simulation;
-}
-
 std::optional<std::string> simulation_obstacle(const TransitionSystem& system) {
   if (!system.wide() || !system.problem().uncertain()) return std::nullopt;
   return "simulate plays attempts that may fail where every connection is handled and steps earn "
          "what they earn whatever came before; here a goal or costs between steps say otherwise";
+}
+
+namespace {
+
+/// @throws InputError for a plan that is not legal where nothing fails.
+void require_legal(const Evaluation& plan) {
+  if (plan.valid) return;
+  const StepViolation& first = plan.violations.front();
+  throw InputError("the plan cannot be followed: step " + std::to_string(first.step) + ", " +
+                   in_quotes(first.connection) + ": " + first.violation.message);
+}
+
+/// Where every attempt succeeds, a plan goes as it stands.
+Followed certainly_followed(const Evaluation* plan,
+                            const std::function<Result(const Budget&)>& find,
+                            const SimulationOptions& options, const Budget& budget) {
+  Followed found;
+  std::size_t attempts = 0;
+  if (plan != nullptr) {
+    found.expected = plan->reward;
+    attempts = plan->steps.size();
+  } else {
+    const Result result = find(budget);
+    found.simulation.stop = result.stop;
+    if (!result.has_plan()) {
+      found.status = result.status;
+      found.notes = result.notes;
+      return found;
+    }
+    found.proved_best = result.status == Status::Optimal;
+    found.expected = result.reward;
+    attempts = result.steps.empty() ? result.sequence.size() : result.steps.size();
+  }
+  found.status = Status::Feasible;
+  found.expected_attempts = static_cast<double>(attempts);
+  found.simulation.rewards.assign(options.runs, found.expected);
+  found.simulation.attempts.assign(options.runs, attempts);
+  return found;
+}
+
+}  // namespace
+
+Followed follow(const TransitionSystem& system, const Evaluation* plan,
+                const std::vector<PolicyState>* policy,
+                const std::function<Result(const Budget&)>& find, const SimulationOptions& options,
+                const Budget& budget) {
+  if (plan != nullptr) require_legal(*plan);
+  if (system.wide()) return certainly_followed(plan, find, options, budget);
+  Followed found;
+  if (const std::optional<Violation> reason = system.infeasibility()) {
+    found.status = Status::Infeasible;
+    found.notes = {reason->message};
+    return found;
+  }
+  UncertainGraph::Guide guide;
+  if (plan != nullptr) {
+    for (const Step& step : plan->steps) found.plan.push_back(step.connection);
+    guide = guide_by_plan(found.plan);
+  } else if (policy != nullptr) {
+    guide = guide_by_policy(system, *policy);
+  }
+  const UncertainGraph graph = UncertainGraph::build(system, budget, guide);
+  if (graph.stop() != Stop::None) {
+    found.simulation.stop = graph.stop();
+    found.notes = {"stopped before all states were known that attempts lead to"};
+    return found;
+  }
+  const UncertainSolution solution = solve_uncertain(graph);
+  if (!std::isfinite(solution.values[0])) {
+    found.status = Status::Infeasible;
+    found.notes = {plan == nullptr
+                       ? "whatever is attempted, a state may be met that has no legal step"
+                       : "the plan may end in a state that has no legal step, and its expected "
+                         "reward is minus infinity; `orasp solve` finds a policy that cannot, if "
+                         "there is one"};
+    return found;
+  }
+  found.status = Status::Feasible;
+  found.expected = solution.values[0];
+  found.expected_attempts = solution.attempts[0];
+  found.simulation = simulate(graph, solution.choice, found.plan, options, budget);
+  return found;
 }
 
 }  // namespace orasp

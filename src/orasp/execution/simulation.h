@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "orasp/graph/uncertain_graph.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/model/validate.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -51,13 +53,31 @@ struct Simulation {
                                   std::span<const ConnectionIndex> plan,
                                   const SimulationOptions& options, const Budget& budget);
 
-/// Runs where every attempt succeeds, as with a goal, part steps and costs between steps
-/// (TransitionSystem::wide()): each takes the same steps and earns the same. `stop` is what ended
-/// the search for them. O(runs).
-[[nodiscard]] Simulation certain_runs(double reward, std::size_t attempts, Stop stop,
-                                      const SimulationOptions& options);
-
 /// Why attempts of this problem cannot be played, in one sentence; empty where they can.
 [[nodiscard]] std::optional<std::string> simulation_obstacle(const TransitionSystem& system);
+
+/// What a simulation followed, and what came of it.
+struct Followed {
+  std::vector<ConnectionIndex> plan;  ///< empty: none was given
+  /// Feasible; Infeasible where what is followed may end in a dead end; Unknown where time or
+  /// memory ended the work before the first run.
+  Status status = Status::Unknown;
+  double expected = 0;           ///< reward
+  double expected_attempts = 0;  ///< a run
+  bool proved_best = true;       ///< what was found to be followed, where nothing was given
+  Simulation simulation;
+  std::vector<std::string> notes;
+};
+
+/// Simulates. `plan`, the replay of a plan, and `policy` say what is followed, at most one of them;
+/// null: the best policy, which is solved first. Where every attempt succeeds
+/// (TransitionSystem::wide(): a goal, part steps, costs between steps) `find` is asked for a plan
+/// if none is given, and all runs are the same.
+/// @throws InputError for a plan that is not legal, a policy where every attempt succeeds, and as
+/// guide_by_policy.
+[[nodiscard]] Followed follow(const TransitionSystem& system, const Evaluation* plan,
+                              const std::vector<PolicyState>* policy,
+                              const std::function<Result(const Budget&)>& find,
+                              const SimulationOptions& options, const Budget& budget);
 
 }  // namespace orasp

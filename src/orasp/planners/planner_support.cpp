@@ -126,6 +126,12 @@ Result stopped_with_quick_plan(const TransitionSystem& system, std::string_view 
   return result;
 }
 
+Result or_quick_plan(const TransitionSystem& system, Result result) {
+  const bool spent = result.stop == Stop::TimeLimit || result.stop == Stop::MemoryLimit;
+  if (result.has_plan() || !spent) return result;
+  return stopped_with_quick_plan(system, result.method, result.stop, result.statistics);
+}
+
 Result exhausted(std::string_view method, const Statistics& statistics) {
   Result result;
   result.method = method;

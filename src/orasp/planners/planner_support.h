@@ -74,6 +74,9 @@ template <class Options, class Plan>
 [[nodiscard]] Result stopped_with_quick_plan(const TransitionSystem& system,
                                              std::string_view method, Stop stop,
                                              const Statistics& statistics);
+/// What a method found that has no plan before it is done; where time or memory ended it, a quick
+/// one.
+[[nodiscard]] Result or_quick_plan(const TransitionSystem& system, Result result);
 
 /// An upper bound on what any plan earns (BoundKind::Best); empty where none is known.
 [[nodiscard]] std::optional<double> bound_of_start(const TransitionSystem& system);

@@ -521,13 +521,6 @@ Result turned_round(const TransitionSystem& system, Result result) {
 
 namespace {
 
-/// Where steps take parts off and there were too many of them to list, a quick plan.
-Result or_quick_plan(const TransitionSystem& system, Result result) {
-  const bool spent = result.stop == Stop::TimeLimit || result.stop == Stop::MemoryLimit;
-  if (result.has_plan() || !spent || !system.rules().by_part) return result;
-  return stopped_with_quick_plan(system, result.method, result.stop, result.statistics);
-}
-
 /// Whether the start has more steps than can be gone through again and again.
 bool has_many_moves(const TransitionSystem& system) {
   constexpr int kMostAsked = 100;  // times 256 steps
