@@ -202,7 +202,7 @@ Certified why_proved(const Problem& problem, const Result& result, const Budget&
 }
 
 /// Refuses what several processes do not share.
-void require_sense_of_ranks(const SolveOptions& options) {
+void require_sense_of_ranks(const SolveOptions& options, const Options& chosen) {
   const bool of_table = options.method == "value-iteration";
   const bool of_a_star = options.method == "a-star";
   if (!of_table && !of_a_star && options.method != "beam")
@@ -216,7 +216,8 @@ void require_sense_of_ranks(const SolveOptions& options) {
                            : options.steps                ? "--steps"
                            : (of_table || of_a_star) && options.limits.threads ? "--threads"
                            : of_table && !options.of_method.empty() ? "an option of the method"
-                                                                    : nullptr;
+                           : of_a_star && chosen.symmetry == SymmetryUse::On ? "--symmetry on"
+                                                                             : nullptr;
   if (lone != nullptr)
     throw InputError(
         fmt::format("{}: several processes do not share that with {}; start it without mpirun",
@@ -232,13 +233,13 @@ Result solved_on_ranks(const TransitionSystem& system, const SolveOptions& optio
     return cluster_a_star(system, {.bound = chosen.bound}, budget, ranks);
   if (!options.limits.threads)
     budget.threads = std::max(1U, budget.threads / static_cast<unsigned>(ranks.on_this_machine()));
-  return cluster_beam(system, {.bound = chosen.bound}, budget, ranks);
+  return cluster_beam(system, {.bound = chosen.bound, .symmetry = chosen.symmetry}, budget, ranks);
 }
 
 /// The answer of several processes, printed and written by rank 0.
 int solve_on_ranks(const SolveOptions& options, const Context& context) {
-  require_sense_of_ranks(options);
   const Options chosen = options_from(options.method, options.of_method, "--");
+  require_sense_of_ranks(options, chosen);
   Budget budget = make_budget(options.limits);
   return on_ranks([&](Ranks& ranks) {
     share_memory(ranks, options.limits.memory_limit.has_value(), budget);

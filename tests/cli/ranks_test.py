@@ -59,14 +59,20 @@ class Ranks(Case):
                         self.assertEqual(answer(out), expected)
 
     def test_beam_gives_the_plan_of_one_process(self):
-        for words in (["hubble", "--direction", "assembly"], ["hubble-free", "--objective", "indexed"],
-                      ["jwst", "--objective", "time", "--memory-limit", "900"]):
+        fuel = ["--objective", "fuel", "--bound", "connections"]
+        for words, counts in ((["hubble", "--direction", "assembly"], (3,)), (["hubble-free", "--objective", "indexed"], (2,)),
+                              (["jwst", "--objective", "time", "--memory-limit", "900"], (4,)),
+                              # Here symmetry is used by itself, after a while.
+                              (["hubble-free", *fuel], (2, 3)), (["lattice", *fuel, "--symmetry", "on"], (8,))):
             words = ["solve", *words, "--method", "beam", "--json"]
-            with self.subTest(words=words):
-                expected = answer(orasp(*words).out)
-                code, out, error = on_ranks(3, *words)
-                self.assertEqual(code, 0, error)
-                self.assertEqual(answer(out), expected)
+            one = orasp(*words).out
+            for count in counts:
+                with self.subTest(words=words, ranks=count):
+                    code, out, error = on_ranks(count, *words)
+                    self.assertEqual(code, 0, error)
+                    self.assertEqual(answer(out), answer(one))
+                    exchanges = [note for note in json.loads(one).get("notes", []) if "exchange" in note]
+                    self.assertEqual([note for note in json.loads(out)["notes"] if "exchange" in note], exchanges)
 
     def test_a_star_proves_the_optimum_of_one_process(self):
         for words in (["hubble", "--direction", "assembly"], ["hubble-free", "--objective", "fuel", "--bound", "connections"]):
@@ -118,6 +124,7 @@ class Ranks(Case):
                 (["solve", "hubble", *work, MPMD, "solve", "hubble", *work, "--seed", "2"], "all ranks must run the same"),
                 (["solve", "hubble"], "auto does its work in one process"),
                 (["solve", "hubble", *work, "--threads", "2"], "--threads: several processes do not share that"),
+                (["solve", "hubble", "--method", "a-star", "--symmetry", "on"], "--symmetry on: several processes do not share that"),
                 (["check", "hubble", "x"], "check does its work in one process: start it without mpirun"),
                 (["solve", "hubble", "--nonsense"], 'unknown option "--nonsense"')):
             with self.subTest(words=words):

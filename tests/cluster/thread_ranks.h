@@ -107,6 +107,30 @@ class ThreadRanks final : public Ranks {
     bytes_sent_ += text.size() * (hub_.size - 1);
     return all(text);
   }
+  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> texts) override {
+    // All texts go to all, each behind its length.
+    std::string mine;
+    for (std::size_t to = 0; to < texts.size(); ++to) {
+      const std::size_t length = texts[to].size();
+      if (to != rank_) bytes_sent_ += length;
+      mine.append(reinterpret_cast<const char*>(&length), sizeof length).append(texts[to]);
+    }
+    std::vector<std::string> for_me;
+    for (const std::string& of : all(mine)) {
+      std::size_t at = 0;
+      for (std::size_t to = 0;; ++to) {
+        std::size_t length = 0;
+        std::memcpy(&length, of.data() + at, sizeof length);
+        at += sizeof length;
+        if (to == rank_) {
+          for_me.push_back(of.substr(at, length));
+          break;
+        }
+        at += length;
+      }
+    }
+    return for_me;
+  }
   void post(std::size_t to, std::string text) override {
     const std::lock_guard lock(hub_.mutex);
     hub_.letters[to].push_back({rank_, std::move(text)});

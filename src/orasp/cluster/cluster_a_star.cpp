@@ -334,7 +334,8 @@ class RankSearch {
     drop_settled();
     std::vector<double> greatest = {
         best_, open_.empty() ? -kInfinity : static_cast<double>(open_[0].promise),
-        static_cast<double>(static_cast<int>(result_.stop)), static_cast<double>(bytes())};
+        static_cast<double>(static_cast<int>(result_.stop)), static_cast<double>(bytes()),
+        static_cast<double>(table_.size())};
     ranks_.take_greatest(greatest);
     const double best = greatest[0];
     const double top = greatest[1];
@@ -350,8 +351,10 @@ class RankSearch {
     statistics.reopened = sums[3];
     statistics.pruned = sums[4];
     statistics.peak_bytes = static_cast<std::uint64_t>(greatest[3]);
-    result_.notes.push_back("the states lay on " + std::to_string(ranks_.size()) + " ranks; " +
-                            std::to_string(sums[5]) + " bytes of states were sent between them");
+    result_.notes.push_back("the states lay on " + std::to_string(ranks_.size()) + " ranks, with " +
+                            std::to_string(static_cast<std::uint64_t>(greatest[4])) +
+                            " of them on the fullest; " + std::to_string(sums[5]) +
+                            " bytes of states were sent between them");
     if (best != -kInfinity) read_plan_off();
     // What is left open is beaten by the plan where there is nothing more to be proved.
     if (best != -kInfinity && top == -kInfinity) {

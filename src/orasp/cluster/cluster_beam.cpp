@@ -1,6 +1,8 @@
 #include "orasp/cluster/cluster_beam.h"
 
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "orasp/model/error.h"
@@ -30,6 +32,11 @@ class RankCrew final : public detail::Crew {
     }
     return told;
   }
+  [[nodiscard]] std::vector<std::string> exchange(std::vector<std::string> texts) override {
+    return ranks_.exchange(std::move(texts));
+  }
+  void take_sums(std::span<std::uint64_t> numbers) override { ranks_.take_sums(numbers); }
+  void take_greatest(std::span<double> numbers) override { ranks_.take_greatest(numbers); }
 
  private:
   Ranks& ranks_;
@@ -46,6 +53,11 @@ Result cluster_beam(const TransitionSystem& system, BeamOptions options, const B
   RankCrew crew(ranks);
   options.crew = &crew;
   const std::uint64_t sent_before = ranks.bytes_sent();
+  // The module for symmetry may be missing on one machine only.
+  const auto obstacle = symmetry_obstacle(system, options.symmetry);
+  for (const std::string& told : ranks.gather_everywhere(obstacle.value_or(std::string()))) {
+    if (!told.empty()) throw Refusal("beam", told);
+  }
   Result result;
   try {
     result = beam(system, options, budget);
@@ -58,8 +70,9 @@ Result cluster_beam(const TransitionSystem& system, BeamOptions options, const B
   }
   std::vector<std::uint64_t> sent = {ranks.bytes_sent() - sent_before};
   ranks.take_sums(sent);
-  result.notes.push_back("the states were expanded by " + std::to_string(ranks.size()) +
-                         " ranks; " + std::to_string(sent[0]) +
+  result.notes.push_back("the layers lay on " + std::to_string(ranks.size()) + " ranks, with " +
+                         std::to_string(result.statistics.peak_bytes) + " bytes on the fullest; " +
+                         std::to_string(sent[0]) +
                          " bytes of what they found were sent between them");
   return result;
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr detail::Module kModule = {
     .file = "orasp_mpi.so",
-    .symbol = "orasp_join_ranks_2",
+    .symbol = "orasp_join_ranks_3",
     .method = "the work",
     .absent =
         "cannot be shared by several processes in this build, which was made without MPI: "

@@ -71,6 +71,9 @@ class Ranks {
   [[nodiscard]] virtual std::vector<std::string> gather(const std::string& text) = 0;
   /// What each has, by rank, on every rank. Its bytes are counted as sent, to each other rank.
   [[nodiscard]] virtual std::vector<std::string> gather_everywhere(const std::string& text) = 0;
+  /// Gives each rank the text that stands for it in `texts`, and returns what each, by rank, has
+  /// for this one. What goes to other ranks is counted as sent.
+  [[nodiscard]] virtual std::vector<std::string> exchange(std::vector<std::string> texts) = 0;
 
   /// A text from one rank to another, apart from the stream of send().
   struct Letter {

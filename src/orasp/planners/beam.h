@@ -48,8 +48,8 @@ struct BeamOptions {
 ///             the layer's states.
 /// Limit.      Memory, by budget.max_bytes.
 /// Repeatable. The same for any number of threads: a layer's states are expanded in parallel and
-/// merged in order. The same for any crew, of which each member holds the layers and expands a
-/// share of their states.
+/// merged in order. The same for any crew, of which each member holds the states whose hash names
+/// it.
 [[nodiscard]] Result beam(const TransitionSystem& system, const BeamOptions& options,
                           const Budget& budget);
 
