@@ -89,6 +89,17 @@ class Ranks(Case):
                     self.assertAlmostEqual(plan["reward"], expected["reward"], 9)
                     self.assertAlmostEqual(plan["bound"], expected["bound"], 9)
 
+    def test_limits_stop_a_beam_on_ranks(self):
+        words = ["solve", "iss", "--objective", "fuel", "--bound", "connections", "--method", "beam", "--json"]
+        for limit, stopped in ((["--time-limit", "1"], "time limit"), (["--memory-limit", "2"], "memory limit")):
+            with self.subTest(limit=limit):
+                code, out, error = on_ranks(3, *words, *limit)
+                self.assertEqual(code, 20, error)
+                plan = json.loads(out)
+                self.assertEqual((plan["status"], plan["stopped"]), ("feasible", stopped))
+                self.assertGreaterEqual(plan["bound"], plan["reward"])
+                self.assertLessEqual(plan["statistics"]["peak_bytes"], 2 << 20 if stopped == "memory limit" else 1 << 40)
+
     def test_a_stopped_a_star_has_a_proved_bound(self):
         words = ["solve", "iss", "--objective", "fuel", "--bound", "connections", "--method", "a-star", "--json", "--time-limit", "1"]
         code, out, error = on_ranks(3, *words)
@@ -169,17 +180,21 @@ class Ranks(Case):
         self.assertIn("lattice,exhaustive,feasible,", out)
         self.assertEqual(out.count("problem,method,"), 1)
 
-    def long_run(self):
-        problem = self.file("tree.json", orasp("scenarios", "tree:30:1").out)
+    def long_run(self, method):
+        """A run that is not over in ten seconds, and its file."""
         file = self.folder / "plan.json"
-        return start(3, "solve", problem, "--method", "value-iteration", "-o", str(file)), file
+        if method == "value-iteration":
+            words = [self.file("tree.json", orasp("scenarios", "tree:30:1").out)]
+        else:
+            words = ["iss", "--objective", "fuel", "--bound", "connections", "--memory-limit", "300"]
+        return start(3, "solve", *words, "--method", method, "-o", str(file)), file
 
     def test_a_killed_rank_ends_all_and_leaves_no_half_file(self):
         random = Random(7)
-        for turn in range(3):
-            with self.subTest(turn=turn):
-                process, file = self.long_run()
-                time.sleep(0.5 + random.random())
+        for method in ("value-iteration", "beam", "a-star"):
+            with self.subTest(method=method):
+                process, file = self.long_run(method)
+                time.sleep(0.5 + 2 * random.random())
                 children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False).stdout.split()
                 self.assertEqual(len(children), 3)
                 os.kill(int(random.choice(children)), signal.SIGKILL)
@@ -192,11 +207,14 @@ class Ranks(Case):
                 self.assertEqual([path.name for path in self.folder.iterdir() if path.name not in ("tree.json", "plan.json")], [])
 
     def test_a_stop_prints_the_best_plan_once(self):
-        process, _ = self.long_run()
-        time.sleep(1.5)
-        process.send_signal(signal.SIGINT)  # as Ctrl-C: mpirun ends its ranks with SIGTERM
-        out, _ = process.communicate(timeout=60)
-        self.assertEqual(out.count("feasible (interrupted; not proved best)"), 1)
+        for method in ("value-iteration", "beam"):
+            with self.subTest(method=method):
+                process, file = self.long_run(method)
+                time.sleep(1.5)
+                process.send_signal(signal.SIGINT)  # as Ctrl-C: mpirun ends its ranks with SIGTERM
+                out, _ = process.communicate(timeout=60)
+                self.assertEqual(out.count("feasible (interrupted; not proved best)"), 1)
+                self.assertEqual(json.loads(file.read_text())["status"], "feasible")
 
 
 if __name__ == "__main__":

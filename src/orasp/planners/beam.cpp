@@ -553,7 +553,7 @@ class BeamSearch {
   }
   // How many of this member's survivors, which are sorted, are among the best `width` of all.
   [[nodiscard]] std::size_t kept_of_width(std::size_t width) {
-    // By promise; of those that promise as much as the last, by hash; then by the states themselves.
+    // By promise; those that promise as much as the last by hash; then by the states themselves.
     const auto promise_key = [&](std::size_t i) {
       const auto bits = std::bit_cast<std::uint64_t>(ticks_of(survivors_[i].promise) + 0.0);
       constexpr std::uint64_t sign = std::uint64_t{1} << 63U;
