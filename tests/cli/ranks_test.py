@@ -24,13 +24,17 @@ ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROO
 MPMD = ":"
 
 
-def start(count, *arguments):
+# How many seconds mpirun leaves its ranks between SIGTERM and SIGKILL: enough for a machine that does other things.
+PATIENT = {"OMPI_MCA_odls_base_sigkill_timeout": "5"}
+
+
+def start(count, *arguments, **environment):
     """Starts `count` ranks; where the arguments hold ":", the ranks after it have others."""
     words = [MPIRUN, "-n", str(count), PROGRAM]
     for argument in arguments:
         words += [MPMD, "-n", "1", PROGRAM] if argument == MPMD else [argument]
     return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                            env=ENVIRONMENT)
+                            env=dict(ENVIRONMENT, **environment))
 
 
 def on_ranks(count, *arguments, stdin=""):
@@ -172,7 +176,7 @@ class Ranks(Case):
         self.assertEqual((code, error.count("orasp: ")), (30, 1), error)
 
     def test_a_stop_of_compare_prints_the_rows_so_far(self):
-        process = start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv")
+        process = start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv", **PATIENT)
         time.sleep(2)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=60)
@@ -180,14 +184,14 @@ class Ranks(Case):
         self.assertIn("lattice,exhaustive,feasible,", out)
         self.assertEqual(out.count("problem,method,"), 1)
 
-    def long_run(self, method):
+    def long_run(self, method, **environment):
         """A run that is not over in ten seconds, and its file."""
         file = self.folder / "plan.json"
         if method == "value-iteration":
             words = [self.file("tree.json", orasp("scenarios", "tree:30:1").out)]
         else:
             words = ["iss", "--objective", "fuel", "--bound", "connections", "--memory-limit", "300"]
-        return start(3, "solve", *words, "--method", method, "-o", str(file)), file
+        return start(3, "solve", *words, "--method", method, "-o", str(file), **environment), file
 
     def test_a_killed_rank_ends_all_and_leaves_no_half_file(self):
         random = Random(7)
@@ -209,7 +213,7 @@ class Ranks(Case):
     def test_a_stop_prints_the_best_plan_once(self):
         for method in ("value-iteration", "beam"):
             with self.subTest(method=method):
-                process, file = self.long_run(method)
+                process, file = self.long_run(method, **PATIENT)
                 time.sleep(1.5)
                 process.send_signal(signal.SIGINT)  # as Ctrl-C: mpirun ends its ranks with SIGTERM
                 out, _ = process.communicate(timeout=60)

@@ -410,12 +410,12 @@ class BeamSearch {
       grew_by_ = survivors_.size() - survivors_before;
       if (result_.stop != Stop::None) return left_out;
       if (left > 0 && at_most_ > 2 * width) {
-        count_survivors();
+        if (width > kNarrow) count_survivors();
         if (at_most_ > 2 * width) left_out = std::max(left_out, cut_down_together(width));
       }
       poll();
     }
-    if (at_most_ > width) count_survivors();
+    if (at_most_ > width && width > kNarrow) count_survivors();
     if (at_most_ > width) left_out = std::max(left_out, cut_down_together(width));
     return left_out;
   }
@@ -535,7 +535,7 @@ class BeamSearch {
   double cut_down_together(std::size_t width) {
     std::ranges::sort(survivors_,
                       [this](const Candidate& a, const Candidate& b) { return before(a, b); });
-    const std::size_t kept = kept_of_width(width);
+    const std::size_t kept = width > kNarrow ? kept_of_width(width) : kept_of_narrow(width);
     const double left_out = drop_from(kept);
     Arrived packed;
     packed.states.reserve(kept * words_);
@@ -548,18 +548,51 @@ class BeamSearch {
     }
     arrived_ = std::move(packed);
     index(slots_.size());
-    at_most_ = width;
+    at_most_ = std::min<std::uint64_t>(at_most_, width);
     return left_out;
   }
-  // How many of this member's survivors, which are sorted, are among the best `width` of all.
+  // The order of survivors as two numbers, of which the second counts where the first are equal.
+  [[nodiscard]] std::uint64_t promise_key(std::size_t i) const {
+    const auto bits = std::bit_cast<std::uint64_t>(ticks_of(survivors_[i].promise) + 0.0);
+    constexpr std::uint64_t sign = std::uint64_t{1} << 63U;
+    return (bits & sign) != 0 ? bits : ~(bits | sign);  // ascending where doubles descend
+  }
+  [[nodiscard]] std::uint64_t hash_key(std::size_t i) const { return order_of(survivors_[i].hash); }
+
+  // How many of this member's survivors, which are sorted, are among the best `width` of all, where
+  // there may be fewer: all tell their best ones. Sets at_most_.
+  [[nodiscard]] std::size_t kept_of_narrow(std::size_t width) {
+    const std::size_t words = 2 + words_;
+    std::vector<std::vector<std::uint64_t>> mine;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(width, survivors_.size()); ++i) {
+      std::vector<std::uint64_t>& one = mine.emplace_back();
+      one = {promise_key(i), hash_key(i)};
+      const SetView state = bits_of(survivors_[i], one_);
+      one.insert(one.end(), state.begin(), state.end());
+      text.append(reinterpret_cast<const char*>(one.data()), 8 * words);
+    }
+    std::vector<std::vector<std::uint64_t>> all = words_told(text, words);
+    at_most_ = all.size();
+    if (all.size() <= width) return mine.size();
+    std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(width - 1));
+    return static_cast<std::size_t>(std::ranges::upper_bound(mine, all[width - 1]) - mine.begin());
+  }
+  // What all members tell, each so many words long.
+  [[nodiscard]] std::vector<std::vector<std::uint64_t>> words_told(const std::string& mine,
+                                                                   std::size_t words) {
+    std::vector<std::vector<std::uint64_t>> all;
+    for (const std::string& told : crew_->told_by_all(mine)) {
+      for (std::size_t at = 0; at < told.size(); at += 8 * words) {
+        all.emplace_back(words);
+        std::memcpy(all.back().data(), told.data() + at, 8 * words);
+      }
+    }
+    return all;
+  }
+  // The same of a wide beam, of which there are more than `width`.
   [[nodiscard]] std::size_t kept_of_width(std::size_t width) {
     // By promise; those that promise as much as the last by hash; then by the states themselves.
-    const auto promise_key = [&](std::size_t i) {
-      const auto bits = std::bit_cast<std::uint64_t>(ticks_of(survivors_[i].promise) + 0.0);
-      constexpr std::uint64_t sign = std::uint64_t{1} << 63U;
-      return (bits & sign) != 0 ? bits : ~(bits | sign);  // ascending where doubles descend
-    };
-    const auto hash_key = [&](std::size_t i) { return order_of(survivors_[i].hash); };
     std::size_t begin = 0;
     std::size_t end = survivors_.size();
     std::uint64_t wanted = width;
@@ -573,19 +606,15 @@ class BeamSearch {
       wanted -= cut.below;
       return done;
     };
-    if (narrow(promise_key) || narrow(hash_key)) return end;
+    if (narrow([&](std::size_t i) { return promise_key(i); }) ||
+        narrow([&](std::size_t i) { return hash_key(i); }))
+      return end;
     std::string mine;
     for (std::size_t i = begin; i < end; ++i) {
       const SetView state = bits_of(survivors_[i], one_);
       mine.append(reinterpret_cast<const char*>(state.data()), 8 * words_);
     }
-    std::vector<std::vector<std::uint64_t>> states;
-    for (const std::string& told : crew_->told_by_all(mine)) {
-      for (std::size_t at = 0; at < told.size(); at += 8 * words_) {
-        states.emplace_back(words_);
-        std::memcpy(states.back().data(), told.data() + at, 8 * words_);
-      }
-    }
+    std::vector<std::vector<std::uint64_t>> states = words_told(mine, words_);
     std::ranges::sort(states);
     const std::vector<std::uint64_t>& last = states[wanted - 1];
     while (begin < end &&
@@ -793,6 +822,8 @@ class BeamSearch {
                     .best = result_.reward});
   }
 
+  /// A crew that keeps so few states tells their promises instead of counting them.
+  static constexpr std::size_t kNarrow = 1024;
   /// How often a new plan is improved.
   static constexpr std::uint64_t kOrderRounds = 300;
 
