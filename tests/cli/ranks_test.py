@@ -95,14 +95,14 @@ class Ranks(Case):
 
     def test_limits_stop_a_beam_on_ranks(self):
         words = ["solve", "iss", "--objective", "fuel", "--bound", "connections", "--method", "beam", "--json"]
-        for limit, stopped in ((["--time-limit", "1"], "time limit"), (["--memory-limit", "2"], "memory limit")):
+        for limit, stopped in ((["--time-limit", "1"], "time limit"), (["--memory-limit", "1"], "memory limit")):
             with self.subTest(limit=limit):
                 code, out, error = on_ranks(3, *words, *limit)
                 self.assertEqual(code, 20, error)
                 plan = json.loads(out)
                 self.assertEqual((plan["status"], plan["stopped"]), ("feasible", stopped))
                 self.assertGreaterEqual(plan["bound"], plan["reward"])
-                self.assertLessEqual(plan["statistics"]["peak_bytes"], 2 << 20 if stopped == "memory limit" else 1 << 40)
+                self.assertLessEqual(plan["statistics"]["peak_bytes"], 1 << 20 if stopped == "memory limit" else 1 << 40)
 
     def test_a_stopped_a_star_has_a_proved_bound(self):
         words = ["solve", "iss", "--objective", "fuel", "--bound", "connections", "--method", "a-star", "--json", "--time-limit", "1"]
