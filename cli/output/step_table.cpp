@@ -1,6 +1,9 @@
 #include "cli/output/step_table.h"
 
 #include <algorithm>
+#include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,9 +19,31 @@ constexpr std::size_t kMostTakenWidth = 60;
 
 std::string moved_piece(const Problem& problem, const Step& step, std::size_t width) {
   if (!step.separates) return "-";
-  std::vector<std::string> ids;
-  for (const PartIndex part : step.moved()) ids.push_back(problem.part_id(part));
-  return capped_list(ids, width);
+  // Several parts of one product are counted where the first of them stands.
+  struct Kind {
+    PartIndex first;
+    std::size_t count;
+  };
+  std::vector<Kind> kinds;
+  std::unordered_map<std::string_view, std::size_t> by_product;
+  for (const PartIndex part : step.moved()) {
+    const std::string& product = problem.parts()[part].product;
+    if (!product.empty()) {
+      const auto [kind, is_new] = by_product.emplace(product, kinds.size());
+      if (!is_new) {
+        ++kinds[kind->second].count;
+        continue;
+      }
+    }
+    kinds.push_back({part, 1});
+  }
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds) {
+    names.push_back(kind.count == 1
+                        ? problem.part_id(kind.first)
+                        : fmt::format("{} x {}", kind.count, problem.parts()[kind.first].product));
+  }
+  return capped_list(names, width);
 }
 
 /// The way that the moved piece goes: off in disassembly, on in assembly.

@@ -148,15 +148,17 @@ class Problem:
         mass: Optional[float] = None,
         position: Optional[Sequence[float]] = None,
         numbers: Optional[Mapping[str, float]] = None,
+        product: Optional[str] = None,
         **more: Any,
     ) -> str:
         """Adds a part and returns its id; where none is given, its number from 1 on.
 
-        ``mass`` is in kg (1), ``position`` [x, y, z] in metres, ``numbers`` are your own, for formulas.
+        ``mass`` is in kg (1), ``position`` [x, y, z] in metres, ``numbers`` are your own, for formulas. Parts with
+        the same ``product`` are counted where people read of them: "3 x M5 nut".
         """
         parts = self._changing()["parts"]
         part: dict[str, Any] = {"id": str(len(parts) + 1) if id is None else id}
-        _put(part, name=name, mass=mass, position=_listed(position), numbers=_mapped(numbers), **more)
+        _put(part, name=name, product=product, mass=mass, position=_listed(position), numbers=_mapped(numbers), **more)
         parts.append(part)
         return str(part["id"])
 

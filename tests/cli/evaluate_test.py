@@ -51,6 +51,17 @@ class Evaluate(Case):
         self.check(answer, 0)
         self.assertAlmostEqual(json.loads(answer.out)["reward"], json.loads(plan)["reward"])
 
+    def test_several_parts_of_one_product_are_counted(self):
+        problem = json.loads(assembly(["1-2", "2-3", "3-4", "4-5", "5-6", "6-7"]))
+        for part, product in zip(problem["parts"], ["M5 nut", "M5 nut", "plate", "", "", "plate"]):
+            if product:
+                part["product"] = product
+        for order, row in [(["2-3", "1-2", "3-4", "4-5", "5-6", "6-7"], r"1  2-3 +2 x M5 nut "),  # both nuts
+                           (["3-4", "1-2", "2-3", "4-5", "5-6", "6-7"], r"1  3-4 +2 x M5 nut, 3 "),  # and one plate alone
+                           (["4-5", "1-2", "2-3", "3-4", "5-6", "6-7"], r"1  4-5 +5, 6, 7 ")]:  # neither is one of several here
+            answer = orasp("evaluate", self.file("products.json", json.dumps(problem)), "-", stdin=json.dumps(order))
+            self.check(answer, 0, out=row)
+
     def test_a_direction_that_is_not_free_is_named(self):
         problem = self.file("p.json", assembly(["1-2", "2-3"], blocking={
             "directions": ["+x", "-x", {"id": "slant", "vector": [0, 3, 4]}],

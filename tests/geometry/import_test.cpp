@@ -231,9 +231,9 @@ TEST(Import, TheFileTellsWhatTheModelTells) {
   const json file = json::parse(imported_problem_text(assembly_from_cad(row(), {}), "row.glb"));
   EXPECT_EQ(file["geometry"]["file"], "row.glb");
   EXPECT_EQ(file["action"], "part");
-  EXPECT_EQ(file["parts"][0]["x-product"], "block");
-  EXPECT_FALSE(file["parts"][1].contains("x-product"));
-  EXPECT_EQ(file["parts"][2]["x-product"], "block");
+  EXPECT_EQ(file["parts"][0]["product"], "block");
+  EXPECT_FALSE(file["parts"][1].contains("product"));
+  EXPECT_EQ(file["parts"][2]["product"], "block");
   EXPECT_EQ(file["parts"][0]["x-density-source"], "default");
   EXPECT_NEAR(file["parts"][1]["x-volume"], 1.2e-6, 1e-12);
   EXPECT_NEAR(file["parts"][1]["position"][0], 0.015, 1e-12);

@@ -54,7 +54,7 @@ const char* const kEverything =
   "note": "a note",
   "source": "a source",
   "parts": [
-    {"id": "a", "name": "corner", "mass": 2.5, "position": [0.1, -2.0, 3e-05]},
+    {"id": "a", "name": "corner", "product": "nut", "mass": 2.5, "position": [0.1, -2.0, 3e-05]},
     {"id": "b", "position": [1.0, 0.0, 0.0]},
     {"id": "c d", "mass": 0.0, "position": [1.0, 1.0, 0.0]}
   ],
@@ -89,6 +89,8 @@ TEST(ProblemJson, ReadsEveryKey) {
   EXPECT_EQ(spec.note, "a note");
   EXPECT_EQ(spec.source, "a source");
   EXPECT_EQ(spec.parts[0].name, "corner");
+  EXPECT_EQ(spec.parts[0].product, "nut");
+  EXPECT_EQ(spec.parts[1].product, "");
   EXPECT_EQ(spec.parts[0].mass, 2.5);
   EXPECT_EQ(spec.parts[0].position, (Vector3{0.1, -2, 3e-5}));
   EXPECT_EQ(spec.parts[1].mass, 1);
@@ -248,7 +250,8 @@ TEST(ProblemJson, NamesAnUnknownKeyItsPlaceAndTheNearest) {
       "blocking, limits, base, goal, action, objective, direction, fleet, geometry; did you mean "
       "\"precedence\"?");
   EXPECT_EQ(fault(with_part(R"({"id": "1", "weight": 2})")),
-            "parts[0]: unknown key \"weight\"; known keys are id, name, mass, position, numbers");
+            "parts[0]: unknown key \"weight\"; known keys are id, name, product, mass, "
+            "position, numbers");
   EXPECT_EQ(
       fault(with(R"("limits": {"max_moved_part": 2})")),
       "limits: unknown key \"max_moved_part\"; known keys are max_subassemblies, max_moved_parts, "
@@ -471,7 +474,8 @@ TEST(ProblemDigest, IgnoresWhatPlanningIgnores) {
   EXPECT_EQ(digest(with(R"("blocking": {"directions": ["+x", "-x"], "blocked": []})")), plain);
   EXPECT_EQ(
       digest(file_of(
-          {R"("parts": [{"id": "1", "mass": 1, "name": "n"}, {"id": "2"}, {"id": "3"}])",
+          {R"("parts": [{"id": "1", "mass": 1, "name": "n", "product": "p"}, {"id": "2"}, )"
+           R"({"id": "3"}])",
            R"("connections": [{"id": "1-2", "parts": ["1", "2"], "duration": 1e0, "success": 1},
                                                {"parts": ["2", "3"]}])"})),
       plain);

@@ -202,6 +202,12 @@ test('Equal parts have one name, or ids that differ in a number at the end, and 
   assert.deepEqual(texts, ['2 × nut', 'nut.3', 'Profile 20', 'Profile 40', '2 × Rod', '2 × plate', '7', '8', '2 × Bearing 5 x 16', '2 × Shim 10 x 5', '2 × Ring 16 x 5']);
 });
 
+test('A product that is stated goes before names, ids and masses', () => {
+  const parts = [['a', 'nut', 1, null, 'M5 nut'], ['b', '', 2, null, 'M5 nut'], ['nut.1', '', 0.2, null, 'M4 nut'], ['nut.2', '', 0.2], ['nut.3', '', 0.2]];
+  const texts = byKind(kindsOf({parts}), parts.map((_, part) => part)).map(kindText);
+  assert.deepEqual(texts, ['2 × M5 nut', 'nut.1', '2 × nut']);
+});
+
 describe('The book', () => {
   test('has a cover and a page for each step, with a picture and the parts, and goes back', async () => {
     const page = await open(cabinetReport(byPart).path, {colorScheme: 'dark'});

@@ -8,16 +8,16 @@ function stem(ident, weighed) {
   return / \d+$/.test(ident) && !weighed ? ident : match[1];
 }
 
-/** For each part the number of its kind, and for each kind its name. Equal parts have one name, or ids that differ in a number at the end, and weigh the same. */
+/** For each part the number of its kind, and for each kind its name. Equal parts have the same product, where they state one; else one name, or ids that differ in a number at the end, and weigh the same. */
 export function kindsOf(problem) {
   const byKey = new Map();
   const kinds = [];
   // What others are called after keeps its number: "Bearing 16 x 5" where there is a "Bearing 16 x 5 2".
   const ids = new Set(problem.parts.map(([ident]) => ident));
   const bases = new Set(problem.parts.flatMap(([ident, name, mass]) => [name, stem(ident, mass !== 1)].filter((base) => base !== ident && ids.has(base))));
-  const of = problem.parts.map(([ident, name, mass], part) => {
-    const called = name && name !== ident ? name : bases.has(ident) ? ident : stem(ident, mass !== 1);
-    const key = JSON.stringify([called, mass === null ? null : Number(mass.toPrecision(6))]);
+  const of = problem.parts.map(([ident, name, mass, , product], part) => {
+    const called = product ? product : name && name !== ident ? name : bases.has(ident) ? ident : stem(ident, mass !== 1);
+    const key = JSON.stringify(product ? [product] : [called, mass === null ? null : Number(mass.toPrecision(6))]);
     if (!byKey.has(key)) {
       byKey.set(key, kinds.length);
       kinds.push({name: called, parts: []});

@@ -16,7 +16,7 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const {problem, plans, best} = data;
 const placed = problem.parts.length > 0 && problem.parts.every((part) => part[3]) && typeof globalThis.oraspSpace === 'function';
 let shapes = null;  // of the parts, once they are read
-const kinds = data.shapes?.note ? kindsOf(problem) : null;
+const kinds = data.shapes?.note || problem.parts.some(([, , , , product]) => product) ? kindsOf(problem) : null;
 const several = plans.length > 1;
 const position = new Position(plans, problem.direction);
 
@@ -230,7 +230,7 @@ class PlanView {
 
   pieceCard(pieces, subassemblies) {
     const all = this.replay.pieces();
-    // Where shapes are known, equal parts are counted.
+    // Where shapes or products are known, equal parts are counted.
     const named = (parts) => (kinds ? byKind(kinds, parts).slice(0, 15).flatMap((kind, i) => [i > 0 ? ', ' : '', i < 14 ? id(kindText(kind)) : 'and more']) : partList(problem, parts, 14));
     const big = all.filter(({parts}) => parts.length > 1);
     const single = all.filter(({parts}) => parts.length === 1).map(({parts}) => parts[0]);

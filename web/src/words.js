@@ -8,11 +8,20 @@ export const partName = (problem, part) => {
   return name && name !== ident ? `${ident} (${name})` : ident;
 };
 
-/** Parts as a list of ids, cut after `most`. */
+/** Parts as a list of ids, cut after `most`; several of one product are counted: "3 × M5 nut". */
 export function partList(problem, parts, most = 12) {
-  const shown = parts.slice(0, parts.length > most + 1 ? most : parts.length);
-  const list = shown.flatMap((part, i) => [i > 0 ? ', ' : '', id(partName(problem, part))]);
-  if (shown.length < parts.length) list.push(` and ${parts.length - shown.length} more`);
+  const kinds = new Map();
+  for (const part of parts) {
+    const product = problem.parts[part][4];
+    const key = product ? `of ${product}` : part;
+    if (!kinds.has(key)) kinds.set(key, []);
+    kinds.get(key).push(part);
+  }
+  const all = [...kinds.values()];
+  const shown = all.slice(0, all.length > most + 1 ? most : all.length);
+  const list = shown.flatMap((equal, i) => [i > 0 ? ', ' : '', id(equal.length > 1 ? `${equal.length} × ${problem.parts[equal[0]][4]}` : partName(problem, equal[0]))]);
+  const left = all.slice(shown.length).reduce((sum, equal) => sum + equal.length, 0);
+  if (left > 0) list.push(` and ${left} more`);
   return list;
 }
 

@@ -229,10 +229,13 @@ void find_order(ImportedAssembly& assembly, const ImportSettings& settings) {
 void fill_problem(ImportedAssembly& assembly, const ImportSettings& settings) {
   ProblemSpec& problem = assembly.problem;
   problem.name = assembly.model.name;
-  for (const CadPartFacts& facts : assembly.parts) {
+  const std::vector<bool> shared = parts_with_equals(assembly.parts);
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const CadPartFacts& facts = assembly.parts[p];
     Part part;
     part.id = facts.id;
     if (facts.name != facts.id) part.name = facts.name;
+    if (shared[p]) part.product = assembly.parts[facts.equal].id;
     part.mass = rounded(facts.mass, 6);
     Vector3 position{};
     for (std::size_t i = 0; i < 3; ++i) {

@@ -198,6 +198,15 @@ std::vector<CadPartFacts> part_facts(std::span<const CadPart> parts, const Densi
   return facts;
 }
 
+std::vector<bool> parts_with_equals(std::span<const CadPartFacts> parts) {
+  std::vector<bool> shared(parts.size(), false);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::size_t first = parts[i].equal;
+    if (first != i) shared[i] = shared[first] = true;
+  }
+  return shared;
+}
+
 std::vector<std::size_t> parts_called(std::string_view word, std::span<const CadPartFacts> parts) {
   std::vector<std::size_t> meant;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -48,6 +48,9 @@ struct Densities {
 [[nodiscard]] std::vector<CadPartFacts> part_facts(std::span<const CadPart> parts,
                                                    const Densities& densities);
 
+/// By part: whether another part is equal to it.
+[[nodiscard]] std::vector<bool> parts_with_equals(std::span<const CadPartFacts> parts);
+
 /// The parts that `word` means: the one with this id, or all of this name or product; `*` stands
 /// for any text. Ascending.
 [[nodiscard]] std::vector<std::size_t> parts_called(std::string_view word,

@@ -54,22 +54,10 @@ const char* source_name(DensitySource source) {
   return "";
 }
 
-/// The parts of the model whose product has another part.
-std::vector<bool> parts_with_equals(const ImportedAssembly& assembly) {
-  std::vector<bool> shared(assembly.parts.size(), false);
-  for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
-    const std::size_t first = assembly.parts[i].equal;
-    if (first != i) shared[i] = shared[first] = true;
-  }
-  return shared;
-}
-
 void annotate_parts(const ImportedAssembly& assembly, ordered_json& parts) {
-  const std::vector<bool> shared = parts_with_equals(assembly);
   for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
     const CadPartFacts& facts = assembly.parts[i];
     ordered_json& part = parts[i];
-    if (shared[i]) part["x-product"] = assembly.parts[facts.equal].id;
     part["x-volume"] = short_number(facts.volume / (kMetre * kMetre * kMetre));
     part["x-density"] = short_number(facts.density);
     part["x-density-source"] = source_name(facts.source);
@@ -223,7 +211,7 @@ std::array<double, 4> quaternion_of(const std::array<Vector3, 3>& axes) {
 class GlbWriter {
  public:
   std::string write(const ImportedAssembly& assembly) {
-    const std::vector<bool> shared = parts_with_equals(assembly);
+    const std::vector<bool> shared = parts_with_equals(assembly.parts);
     std::vector<std::size_t> mesh_of(assembly.parts.size());
     for (std::size_t i = 0; i < assembly.parts.size(); ++i) {
       const CadPart& part = assembly.model.parts[i];

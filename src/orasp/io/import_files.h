@@ -8,8 +8,8 @@
 namespace orasp {
 
 /// The problem of an import as a file: problem_text(), and in keys that planners pass over what the
-/// model says beside (docs/import.md): `x-product`, `x-density` and `x-volume` of parts, `x-kind`,
-/// `x-area` and `x-distance` of connections, `x-width` and `x-depth` of what blocks. In m, m^2, m^3
+/// model says beside (docs/import.md): `x-density` and `x-volume` of parts, `x-kind`, `x-area`
+/// and `x-distance` of connections, `x-width` and `x-depth` of what blocks. In m, m^2, m^3
 /// and kg/m^3. `geometry` names the file with the shapes; empty: none.
 /// @throws InputError as Problem's constructor.
 [[nodiscard]] std::string imported_problem_text(const ImportedAssembly& assembly,

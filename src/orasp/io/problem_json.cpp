@@ -79,11 +79,12 @@ std::map<std::string, double> read_own_numbers(JsonValue value, const Place& pla
 
 Part read_part(JsonValue value, const Place& place) {
   constexpr auto kKeys =
-      std::to_array<std::string_view>({"id", "name", "mass", "position", "numbers"});
+      std::to_array<std::string_view>({"id", "name", "product", "mass", "position", "numbers"});
   const Members members(value, place, kKeys);
   Part part;
   part.id = members.read_required("id", read_id);
   members.read("name", part.name, read_string);
+  members.read("product", part.product, read_string);
   members.read("mass", part.mass, read_number);
   members.read("position", part.position, read_point<3>);
   members.read("numbers", part.numbers, read_own_numbers);
@@ -351,6 +352,7 @@ ordered_json own_numbers_json(const std::map<std::string, double>& own) {
 ordered_json part_json(const Part& part) {
   ordered_json json = {{"id", part.id}};
   if (!part.name.empty()) json["name"] = part.name;
+  if (!part.product.empty()) json["product"] = part.product;
   if (part.mass != Part{}.mass) json["mass"] = part.mass + 0.0;
   if (part.position) json["position"] = numbers(*part.position);
   if (!part.numbers.empty()) json["numbers"] = own_numbers_json(part.numbers);

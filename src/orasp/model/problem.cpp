@@ -167,6 +167,7 @@ void Problem::index_parts() {
       fail(place + ".id",
            in_quotes(part.id) + " is the id of " + element("parts", entry->second) + " too");
     require_utf8(part.name, place + ".name");
+    require_utf8(part.product, place + ".product");
     require_not_negative(part.mass, place + ".mass");
     if (part.position) require_finite(*part.position, place + ".position");
     require_numbers(part.numbers, place + ".numbers");

@@ -32,6 +32,9 @@ struct Part {
   std::optional<Vector3> position{};  ///< m
   /// The user's own, by name: formulas see their sums over the moved and over the kept piece.
   std::map<std::string, double> numbers{};
+  /// What it is one of: parts with the same product are counted as "3 x M5 nut" where people read
+  /// of them. No rule, reward or symmetry looks at it. Empty: it stands for itself.
+  std::string product{};
 };
 
 /// What an attempt that fails does beyond costing its reward. Nothing stated: nothing, it is tried

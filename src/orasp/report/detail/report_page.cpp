@@ -195,6 +195,10 @@ ordered_json report_problem(const Problem& problem) {
       for (const double x : *part.position) position.push_back(number_or_null(x));
       entry.push_back(std::move(position));
     }
+    if (!part.product.empty()) {
+      if (!part.position) entry.push_back(nullptr);
+      entry.push_back(part.product);
+    }
     parts.push_back(std::move(entry));
   }
   ordered_json connections = ordered_json::array();

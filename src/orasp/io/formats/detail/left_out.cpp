@@ -33,6 +33,7 @@ std::string left_out_sentence(const ProblemSpec& spec, const LeftOut& left_out) 
     put(any_connection([](const Connection& connection) { return !connection.axis.empty(); }),
         "axis");
   }
+  put(any_part([](const Part& part) { return !part.product.empty(); }), "product");
   put(any_connection([](const Connection& connection) { return !connection.on_failure.retries(); }),
       "on_failure");
   put(!spec.precedence.empty(), "precedence");
