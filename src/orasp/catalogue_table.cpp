@@ -190,7 +190,9 @@ Result run_bellman_ford(const Request& request) {
 
 Result run_orasp_search(const Request& request) {
   return orasp_search(*request.system,
-                      {.seed = request.options.seed, .bound = request.options.bound},
+                      {.seed = request.options.seed,
+                       .bound = request.options.bound,
+                       .symmetry = request.options.symmetry},
                       request.budget);
 }
 
@@ -285,9 +287,9 @@ constexpr std::array kPlanners = {
             .summary = "the paper's ORASP Search: depth-first branch and bound that generates H as "
                        "it goes",
             .exact = true,
-            .obstacle = bound_needed,
+            .obstacle = bound_and_symmetry_needed,
             .run = run_orasp_search,
-            .options = bound_options},
+            .options = search_options},
     Planner{.name = "a-star",
             .summary = "best first on H, guided by an upper bound on what is left",
             .exact = true,

@@ -347,8 +347,8 @@ TEST(Symmetry, RandomProblemsOfEveryKindAreSafe) {
   EXPECT_GE(used, least_of(20));
 }
 
-constexpr std::array<const char*, 5> kMethods = {"value-iteration", "dijkstra", "bellman-ford",
-                                                 "a-star", "beam"};
+constexpr std::array<const char*, 6> kMethods = {"value-iteration", "dijkstra", "bellman-ford",
+                                                 "orasp-search",    "a-star",   "beam"};
 
 Options with(SymmetryUse use) {
   Options options;
@@ -427,7 +427,7 @@ TEST(Symmetry, TheSameInTheMiddleOfTheWorkAndWithRetries) {
       if (random.below(6) == 0) now.not_next.insert(any());
     }
     const Task task(problem, now);
-    for (const char* const method : {"dijkstra", "a-star", "beam"}) {
+    for (const char* const method : {"dijkstra", "orasp-search", "a-star", "beam"}) {
       SCOPED_TRACE(method);
       if (obstacle(task, method, with(SymmetryUse::On))) continue;
       const Result result = solve(task, method, with(SymmetryUse::On));
@@ -452,7 +452,7 @@ TEST(Symmetry, StoppedSearchesStayHonest) {
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);
     const oracle::OracleResult truth = truth_of(spec);
-    for (const char* const method : {"dijkstra", "a-star", "beam"}) {
+    for (const char* const method : {"dijkstra", "orasp-search", "a-star", "beam"}) {
       SCOPED_TRACE(method);
       if (obstacle(problem, method, with(SymmetryUse::On))) continue;
       for (const std::uint64_t most : {1, 5, 20}) {
@@ -545,6 +545,11 @@ double order_of(const ProblemSpec& spec) {
 TEST(Symmetry, WhatTellsPartsApartCounts) {
   if (!has_nauty()) GTEST_SKIP() << "built without nauty";
   EXPECT_EQ(order_of(star(5)), 120);
+  // What they are called tells nothing apart.
+  ProblemSpec called = star(5);
+  for (std::size_t i = 1; i < called.parts.size(); ++i)
+    called.parts[i].product = i % 2 == 0 ? "nut" : "bolt";
+  EXPECT_EQ(order_of(called), 120);
   ProblemSpec spec = star(5);
   spec.parts[1].mass = 2;
   EXPECT_EQ(order_of(spec), 24);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "orasp/bounds/bound_kinds.h"
@@ -12,6 +14,7 @@
 #include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/random_sequence.h"
+#include "orasp/symmetry/symmetry.h"
 #include "orasp/task/memory_limit.h"
 
 namespace orasp {
@@ -22,7 +25,8 @@ namespace {
 template <std::size_t kWords>
 class OraspSearch {
  public:
-  OraspSearch(const TransitionSystem& system, Bound& bound, const Budget& budget, Result& result)
+  OraspSearch(const TransitionSystem& system, Bound& bound, const Symmetry* symmetry,
+              const Budget& budget, Result& result)
       : expander_(system),
         bound_(bound),
         budget_(budget),
@@ -30,13 +34,20 @@ class OraspSearch {
         result_(result),
         state_(system.start()),
         num_open_(system.num_steps()),
-        met_(system.words()) {}
+        met_(system.words()) {
+    if (symmetry != nullptr) form_ = symmetry->form();
+  }
 
-  void run() {
-    rest_ = bound_(state_.view());
-    met(0);
-    enter();
+  /// Searches to the end, or until so many states were expanded; then it can go on.
+  /// @returns whether it came to its end or was stopped.
+  bool run(std::uint64_t pause) {
+    if (met_.size() == 0) {
+      rest_ = bound_(state_.view());
+      met(0);
+      enter();
+    }
     while (!frames_.empty() && result_.stop == Stop::None) {
+      if (result_.statistics.expanded >= pause) return false;
       if (actions_.size() == frames_.back()) {
         leave();
         continue;
@@ -56,7 +67,8 @@ class OraspSearch {
     }
     result_.bound = open;
     result_.statistics.states = met_.size();
-    result_.statistics.peak_bytes = bytes();
+    result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
+    return true;
   }
 
  private:
@@ -68,9 +80,15 @@ class OraspSearch {
   };
 
   /// Notes that the present state is reached with `running_`; false if it was met before with no
-  /// less.
+  /// less, or one into which an exchange of equal parts takes it.
   bool met(double running) {
-    const auto [number, is_new] = met_.insert(state_.view().data());
+    SetView state = state_.view();
+    if (form_) {
+      stands_.assign(state.begin(), state.end());
+      form_->canonical(stands_);
+      state = stands_;
+    }
+    const auto [number, is_new] = met_.insert(state.data());
     if (is_new) {
       best_.push_back(running);
       return true;
@@ -184,10 +202,41 @@ class OraspSearch {
   std::vector<Untried> actions_;
   /// Where the actions of each state of the path begin in actions_.
   std::vector<std::size_t> frames_;
+  /// With symmetry: what brings a state to the one that stands for it, and that one.
+  std::optional<OrbitForm> form_;
+  std::vector<std::uint64_t> stands_;
   /// The states that were met, and the best reward with which each was met.
   detail::StateTable<kWords> met_;
   detail::GrowingArray<double> best_;
 };
+
+/// With SymmetryUse::Auto so many states are expanded before symmetry is looked for: where fewer
+/// are enough, it would cost more than it saves.
+constexpr std::uint64_t kExpansionsBeforeSymmetry = 2000;
+
+/// @returns the symmetry that was used.
+template <std::size_t kWords>
+std::optional<Symmetry> search(const TransitionSystem& system, SymmetryUse use, Bound& bound,
+                               const Budget& budget, Result& result) {
+  constexpr std::uint64_t kToTheEnd = std::numeric_limits<std::uint64_t>::max();
+  std::optional<Symmetry> symmetry;
+  if (use == SymmetryUse::On) {
+    symmetry = symmetry_for(system, use, "orasp-search");
+  } else {
+    OraspSearch<kWords> plain(system, bound, nullptr, budget, result);
+    if (plain.run(use == SymmetryUse::Auto ? kExpansionsBeforeSymmetry : kToTheEnd))
+      return symmetry;
+    symmetry = symmetry_for(system, use, "orasp-search");
+    if (!symmetry) {
+      plain.run(kToTheEnd);
+      return symmetry;
+    }
+  }
+  // The best plan so far stays the incumbent.
+  OraspSearch<kWords>(system, bound, symmetry ? &*symmetry : nullptr, budget, result)
+      .run(kToTheEnd);
+  return symmetry;
+}
 
 /// How often the first plan is improved, where rewards depend on when steps come.
 constexpr std::uint64_t kOrderRounds = 20;
@@ -214,11 +263,10 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
     const StartByPlaces by_places = start_by_places(*bound);
     if (by_places.prices)
       detail::OrderSearch(system, by_places.prices).improve(budget, kOrderRounds, result);
-    if (system.words() == 1) {
-      OraspSearch<1>(system, *bound, budget, result).run();
-    } else {
-      OraspSearch<0>(system, *bound, budget, result).run();
-    }
+    const std::optional<Symmetry> symmetry =
+        system.words() == 1 ? search<1>(system, options.symmetry, *bound, budget, result)
+                            : search<0>(system, options.symmetry, *bound, budget, result);
+    if (symmetry) result.notes.push_back(symmetry->text());
     if (result.stop == Stop::None) {
       result.status = Status::Optimal;
       result.bound = result.reward;
@@ -234,7 +282,11 @@ Result searched(const TransitionSystem& system, const OraspSearchOptions& option
 
 Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                     const Budget& budget) {
-  if (system.wide()) return detail::wide_depth_first(system, options.seed, budget);
+  if (system.wide()) {
+    if (const auto reason = symmetry_obstacle(system, options.symmetry))
+      throw Refusal("orasp-search", *reason);
+    return detail::wide_depth_first(system, options.seed, budget);
+  }
   return detail::from_the_end(system, options,
                               [&](const TransitionSystem& from, const OraspSearchOptions& turned) {
                                 return searched(from, turned, budget);

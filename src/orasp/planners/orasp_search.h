@@ -4,6 +4,7 @@
 
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/symmetry/symmetry.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -16,6 +17,7 @@ struct OraspSearchOptions {
   BoundKind bound = BoundKind::Best;
   /// A result of the same problem: its plan is the first incumbent instead.
   const Result* incumbent = nullptr;
+  SymmetryUse symmetry = SymmetryUse::Off;
 };
 
 /// Finds an optimal plan by the paper's ORASP Search: depth-first branch and bound that generates H
@@ -27,6 +29,11 @@ struct OraspSearchOptions {
 ///             reward first); a branch is abandoned as soon as its running reward plus a proved
 ///             upper bound on what is left cannot beat the incumbent, and so is a state met again
 ///             no better than before. A better complete sequence becomes the incumbent.
+///             With symmetry (symmetry/symmetry.h) a state is met again where one is met into which
+///             an exchange of equal parts takes it: the search itself goes on in the state where it
+///             is, so that its sequences stay what they are. SymmetryUse::Auto looks for it after
+///             2,000 expansions and then begins anew with the plan found so far, so that small
+///             searches take none.
 /// Reference.  The paper, section "ORASP Method", which assumes rewards of at most zero (there the
 ///             bound is 0). Rewards above zero, and stronger bounds: bounds/bound_kinds.h.
 /// Guarantee.  Exact but for rounding: nothing is abandoned that could beat the incumbent by more
@@ -37,7 +44,7 @@ struct OraspSearchOptions {
 /// Repeatable. Seeded; ties go to the lowest connection.
 /// @throws InputError where the bound knows nothing about the problem (a callable without a range,
 ///         an `expression` that may yield any number): the sentence names the methods that need
-///         none.
+///         none; and where symmetry is asked for and nothing is known of it.
 [[nodiscard]] Result orasp_search(const TransitionSystem& system, const OraspSearchOptions& options,
                                   const Budget& budget);
 
