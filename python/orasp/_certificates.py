@@ -24,7 +24,7 @@ class Certificate:
 
     @property
     def kind(self) -> str:
-        """What proves it: "sizes", "states", "waits" or "locked"."""
+        """What proves it: "sizes", "pieces", "states", "waits" or "locked"."""
         return str(self.to_dict()["kind"])
 
     @property

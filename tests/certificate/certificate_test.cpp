@@ -81,6 +81,7 @@ TEST(CertificateTest, EveryAnswerToARandomProblemIsCertified) {
   }
   for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
     EXPECT_GE((met[{Certificate::Kind::Sizes, direction}]), least_of(10));
+    EXPECT_GE((met[{Certificate::Kind::Pieces, direction}]), least_of(1));
     EXPECT_GE((met[{Certificate::Kind::States, direction}]), least_of(50));
     EXPECT_GE((met[{Certificate::Kind::Waits, direction}]), least_of(10));
     EXPECT_GE((met[{Certificate::Kind::Locked, direction}]), least_of(1));
@@ -182,6 +183,20 @@ bool damage(Certificate& certificate, SplitMix64& random) {
       }
       return true;
     }
+    case Certificate::Kind::Pieces: {
+      if (certificate.pieces.empty()) return false;
+      const std::size_t at = random.below(certificate.pieces.size());
+      Certificate::Piece& piece = certificate.pieces[at];
+      switch (random.below(4)) {
+        case 0:
+          certificate.pieces.erase(certificate.pieces.begin() + static_cast<std::ptrdiff_t>(at));
+          break;
+        case 1: piece.value = random.below(4) == 0 ? -kInfinity : other(piece.value); break;
+        case 2: piece.parts.erase(piece.parts.begin()); break;
+        default: piece.allowed += 1; break;
+      }
+      return true;
+    }
     case Certificate::Kind::States: {
       auto& layer = certificate.layers[random.below(certificate.layers.size())];
       if (layer.empty()) return false;
@@ -202,6 +217,130 @@ bool damage(Certificate& certificate, SplitMix64& random) {
   }
   certificate.locked[1] = static_cast<PartIndex>((certificate.locked[1] + 1) % 3);
   return true;
+}
+
+/// A problem whose best plan is not told by the sizes of pieces: what may be cut off is limited by
+/// blocking, by precedence and by how many subassemblies there may be.
+ProblemSpec problem_of_pieces(std::uint64_t seed) {
+  SplitMix64 random(seed ^ 0x70696563ULL);
+  ProblemSpec spec;
+  const std::size_t parts = 3 + static_cast<std::size_t>(random.below(4));
+  for (std::size_t p = 0; p < parts; ++p) {
+    spec.parts.push_back({.id = std::to_string(p)});
+    if (p == 0) continue;
+    spec.connections.push_back({.parts = {std::to_string(random.below(p)), std::to_string(p)}});
+  }
+  for (std::uint64_t more = random.below(3); more > 0 && spec.connections.size() < 8; --more) {
+    const std::uint64_t a = random.below(parts);
+    const std::uint64_t b = (a + 1 + random.below(parts - 1)) % parts;
+    spec.connections.push_back(
+        {.id = "more " + std::to_string(more), .parts = {std::to_string(a), std::to_string(b)}});
+  }
+  for (std::size_t c = 0; c < spec.connections.size(); ++c) {
+    if (spec.connections[c].id.empty()) spec.connections[c].id = "c" + std::to_string(c);
+  }
+  const auto connection = [&] {
+    return spec.connections[random.below(spec.connections.size())].id;
+  };
+  if (random.below(3) > 0) {
+    Blocking blocking;
+    for (const char* id : {"+x", "-x", "+y", "-y"})
+      blocking.directions.emplace_back(std::string(id));
+    for (std::uint64_t pairs = 1 + random.below(4); pairs > 0; --pairs) {
+      const std::uint64_t a = random.below(parts);
+      const std::uint64_t b = (a + 1 + random.below(parts - 1)) % parts;
+      Blocked entry{.part = std::to_string(a), .by = std::to_string(b)};
+      for (const char* id : {"+x", "-x", "+y", "-y"}) {
+        if (random.below(3) > 0) entry.directions.emplace_back(id);
+      }
+      if (!entry.directions.empty()) blocking.blocked.push_back(entry);
+    }
+    spec.blocking = blocking;
+  }
+  if (random.below(3) == 0) {
+    const std::string first = connection();
+    const std::string then = connection();
+    if (first != then) spec.precedence.push_back({.connection = then, .after = {first}});
+  }
+  if (random.below(2) == 0) spec.limits.max_subassemblies = 1 + random.below(2);
+  if (random.below(4) == 0) spec.limits.max_moved_parts = 1 + random.below(2);
+  if (random.below(4) == 0) spec.base = {spec.parts[random.below(parts)].id};
+  if (!spec.base.empty() && random.below(2) == 0) spec.limits.grounded = true;
+  if (random.below(6) == 0) spec.base = {"0", "1"};
+  const std::vector<std::string> objectives = {"cubesat",    "cubesat_zone", "custom",
+                                               "piece_cost", "completion",   "fuel"};
+  spec.objective = random_objective(objectives[random.below(objectives.size())], seed);
+  if (random.below(2) == 0) spec.direction = Direction::Assembly;
+  spec.name = "pieces " + std::to_string(seed);
+  return spec;
+}
+
+/// With so few states allowed that only what is smaller than a list of states proves anything.
+Certified without_states(const Problem& problem, const oracle::WideResult& truth) {
+  if (!truth.best) return make_certificate(problem, std::nullopt, 0, 0);
+  return make_certificate(problem, *truth.best, 1e-9 * std::max(1.0, std::abs(*truth.best)), 0);
+}
+
+// By brute force, whatever the pieces say; and a certificate of pieces that is damaged in one thing
+// holds only where what it says is still true.
+TEST(CertificateTest, PiecesProveWhatSizesDoNot) {
+  std::map<Direction, int> by_pieces;
+  int infeasible = 0;
+  int limited = 0;
+  int refused = 0;
+  int lower_by_a_bit = 0;
+  for (std::uint64_t seed = 0; seed < some_of(4 * kSeeds); ++seed) {
+    const ProblemSpec spec = problem_of_pieces(seed);
+    SCOPED_TRACE(spec.name);
+    const Problem problem(spec);
+    ASSERT_EQ(without_certificates(problem), "");
+    const oracle::WideResult truth = oracle::wide_brute_force(spec);
+    const Certified found = without_states(problem, truth);
+    if (!found.certificate || found.certificate->kind != Certificate::Kind::Pieces) continue;
+    const auto is_true = [&](double bound) {
+      return !truth.best || bound >= *truth.best - reward_tolerance(*truth.best);
+    };
+    ++by_pieces[problem.direction()];
+    infeasible += truth.best ? 0 : 1;
+    limited += problem.limits().max_subassemblies ? 1 : 0;
+    EXPECT_TRUE(is_true(found.certificate->bound)) << found.certificate->bound;
+    EXPECT_TRUE(
+        check_certificate(problem,
+                          parse_certificate(problem, certificate_text(problem, *found.certificate)))
+            .holds);
+    // What is a single bit less than the sum of what is below it is no bound: rounding to nearest
+    // would let it pass.
+    const Certificate& whole = *found.certificate;
+    for (std::size_t at = 0; at <= whole.pieces.size(); ++at) {
+      Certificate certificate = whole;
+      double& value = at < whole.pieces.size() ? certificate.pieces[at].value : certificate.bound;
+      if (!std::isfinite(value)) continue;
+      value = std::nextafter(value, -kInfinity);
+      const CertificateCheck check = check_certificate(problem, certificate);
+      lower_by_a_bit += check.holds ? 0 : 1;
+      if (at == whole.pieces.size()) {
+        EXPECT_FALSE(check.holds);
+      }
+    }
+    SplitMix64 random(seed);
+    for (int i = 0; i < 8; ++i) {
+      Certificate certificate = *found.certificate;
+      if (!damage(certificate, random)) continue;
+      const CertificateCheck check = check_certificate(problem, certificate);
+      refused += check.holds ? 0 : 1;
+      if (check.holds) {
+        EXPECT_TRUE(is_true(certificate.bound)) << certificate_text(problem, certificate);
+      } else {
+        EXPECT_FALSE(check.fault.empty());
+      }
+    }
+  }
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly})
+    EXPECT_GE(by_pieces[direction], least_of(100));
+  EXPECT_GE(limited, least_of(50));
+  EXPECT_GE(infeasible, least_of(20));
+  EXPECT_GE(refused, least_of(500));
+  EXPECT_GE(lower_by_a_bit, least_of(200));
 }
 
 TEST(CertificateTest, ADamagedOneHoldsOnlyWhereItStillTellsTheTruth) {

@@ -36,6 +36,38 @@ class Check(Case):
                     self.assertEqual((verdict["proved"], verdict["claim"], verdict["kind"]), (True, "optimal", kind))
                     self.assertAlmostEqual(verdict["reward"], verdict["bound"], places=9)
 
+    def test_pieces_prove_what_their_sizes_do_not(self):
+        # By sizes four parts come apart as two and two; with one subassembly at a time three are left together.
+        problem = self.file("p.json", assembly(["1-2", "2-3", "3-4", "4-5"], limits={"max_subassemblies": 1},
+                                               objective={"type": "piece_cost", "pieces": {"3": 1}}))
+        for direction in ["disassembly", "assembly"]:
+            with self.subTest(direction=direction):
+                plan, certificate = self.certified(problem, "--direction", direction)
+                answer = orasp("check", problem, plan, certificate, "--direction", direction)
+                self.check(answer, 0, out=r"proved: no plan is better\nreward .*\nbound .*\nchecked .* of the kind pieces\n")
+                document = json.loads(self.read(certificate))
+                self.assertTrue(document["pieces"])
+                for parts, allowed, value in document["pieces"]:
+                    self.assertRegex(parts, r"\A[0-9a-f][01]\Z")
+                    self.assertGreaterEqual(allowed, 1)
+                for change, sentence in [
+                    ([["f1", 1, -9]], r"pieces\[0\]: -9 is less than a cut into \d and \d parts, .* is worth"),
+                    ([["f1", 7, 0]], r"pieces\[0\]: 7 is not a number of subassemblies that it can make use of"),
+                    ([["10", 1, 0]], r"pieces\[0\]: two parts or more of one piece of the product are wanted"),
+                    ([], r"it proves that no plan earns more than"),
+                ]:
+                    false = json.dumps(dict(document, pieces=change))
+                    self.check(orasp("check", problem, plan, "-", "--direction", direction, stdin=false), 10, out=sentence)
+                for change, sentence in [
+                    ([["g0", 1, 0]], r'pieces\[0\]\[0\]: "g0" is no set of 5 parts'),
+                    ([["f1", 0.5, 0]], r"pieces\[0\]\[1\]: expected a number of subassemblies"),
+                    ([["f1", 1]], r"pieces\[0\]: expected a set of parts, a number of subassemblies and a value, found 2 values"),
+                ]:
+                    false = json.dumps(dict(document, pieces=change))
+                    answer = orasp("check", problem, plan, "-", "--direction", direction, stdin=false)
+                    self.check_sentence(answer)
+                    self.assertRegex(answer.error, sentence)
+
     def test_that_there_is_no_plan_is_proved(self):
         problem = self.file("p.json", CYCLE)
         certificate = str(self.folder / "certificate.json")

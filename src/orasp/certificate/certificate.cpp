@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "orasp/certificate/detail/outward.h"
+#include "orasp/certificate/detail/piece_proof.h"
 #include "orasp/certificate/detail/removals.h"
 #include "orasp/certificate/detail/size_rewards.h"
 #include "orasp/model/plan_check.h"
@@ -176,7 +177,16 @@ Certified make_certificate(const Problem& problem, std::optional<double> reward,
     }
     if (auto found = by_locked_parts(problem)) return {found, {}};
   }
-  if (auto found = by_sizes(problem); found && proves(*found)) return {found, {}};
+  if (auto found = by_sizes(problem)) {
+    if (proves(*found)) return {found, {}};
+    const detail::SizeRewards rewards(problem);
+    // What is missing is told by the reward itself, so that the bound is no looser than it must be.
+    found->kind = Certificate::Kind::Pieces;
+    found->pieces =
+        detail::prove_by_pieces(problem, rewards, found->sizes, reward.value_or(-kInfinity), stop)
+            .pieces;
+    if (!found->pieces.empty() && proves(*found)) return {found, {}};
+  }
   Certified states = by_states(problem, most_states, stop);
   if (!states.certificate || proves(*states.certificate)) return states;
   return {{},

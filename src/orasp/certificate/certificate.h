@@ -20,6 +20,7 @@ namespace orasp {
 struct Certificate {
   enum class Kind {
     Sizes,   ///< what the cuts of a piece of n parts gain at most
+    Pieces,  ///< what the cuts of a piece of these very parts gain at most, beside Sizes
     States,  ///< what is still to be earned at most from each state that can be reached
     Waits,   ///< connections each of which waits for another of them: there is no plan
     Locked,  ///< two parts that nothing can part: there is no plan
@@ -29,10 +30,20 @@ struct Certificate {
     double value = -kInfinity;  ///< -infinity: nothing leads from here to the end
   };
 
+  struct Piece {
+    std::vector<PartIndex> parts{};  ///< ascending, two or more
+    /// How many subassemblies it may be at a time; 0 where max_subassemblies is not stated. Never
+    /// more than floor(log2(parts)), which is as much as any piece can make use of.
+    std::size_t allowed = 0;
+    double value = -kInfinity;  ///< -infinity: it cannot be taken apart
+  };
+
   Kind kind = Kind::Sizes;
   double bound = -kInfinity;  ///< no plan earns more; -infinity: there is none
-  /// Sizes: by number of parts, from 0; -infinity where the limits allow no cut.
+  /// Sizes and Pieces: by number of parts, from 0; -infinity where the limits allow no cut.
   std::vector<double> sizes{};
+  /// Pieces: those that are worth less than their size.
+  std::vector<Piece> pieces{};
   /// States: by number of connections removed, from 0.
   std::vector<std::vector<State>> layers{};
   /// Waits: ascending. `first`: none of them can be the first to be removed; else none can be the
@@ -43,11 +54,15 @@ struct Certificate {
   std::array<PartIndex, 2> locked{};
 };
 
-/// "sizes", "states", "waits", "locked".
+/// "sizes", "pieces", "states", "waits", "locked".
 [[nodiscard]] std::string_view kind_name(Certificate::Kind kind);
 
 /// Why there are no certificates for such a problem, in one sentence; empty where there are.
 [[nodiscard]] std::string without_certificates(const Problem& problem);
+
+/// The most pieces that a certificate lists, and the most cuts that are looked at for it.
+inline constexpr std::size_t kMostCertifiedPieces = 200'000;
+inline constexpr std::uint64_t kMostCertifiedCuts = 40'000'000;
 
 /// The most states that a certificate lists; fewer where there are so many connections that the
 /// file would be too large to be read.
@@ -62,9 +77,10 @@ struct Certified {
 /// Looks for a certificate that no plan earns more than `reward` (nothing: that there is no plan),
 /// up to `tolerance`.
 /// Idea.      The cheapest first: sizes, for a plan; what waits for itself, locked parts and sizes,
-///            where there is none; then all states, where there are at most `most_states`.
+///            where there is none; then pieces, where at most so many are needed; then all states,
+///            where there are at most `most_states`.
 /// Guarantee. check_certificate() finds nothing wrong with what is returned; it is asked before.
-/// Cost.      Sizes: O(parts^2). States: their number times connections times parts.
+/// Cost.      Sizes: O(parts^2). Pieces: exponential. States: their number * connections * parts.
 /// Stop.      `stop` is asked now and then; when it says true there is no certificate.
 [[nodiscard]] Certified make_certificate(
     const Problem& problem, std::optional<double> reward, double tolerance,

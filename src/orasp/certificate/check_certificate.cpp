@@ -1,9 +1,14 @@
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <string>
 #include <unordered_map>
 
 #include "orasp/certificate/certificate.h"
 #include "orasp/certificate/detail/outward.h"
+#include "orasp/certificate/detail/piece_bound.h"
+#include "orasp/certificate/detail/piece_cuts.h"
+#include "orasp/certificate/detail/piece_values.h"
 #include "orasp/certificate/detail/removals.h"
 #include "orasp/certificate/detail/size_rewards.h"
 #include "orasp/model/detail/wording.h"
@@ -14,10 +19,11 @@ namespace orasp {
 namespace {
 
 using detail::add_up;
+using detail::PieceValues;
 using detail::Removals;
 using detail::SizeRewards;
 
-/// One check; each of the four returns a fault, or nothing and the bound that it has proved.
+/// One check; each of the five returns a fault, or nothing and the bound that it has proved.
 class Checker {
  public:
   Checker(const Problem& problem, const Certificate& certificate)
@@ -48,6 +54,7 @@ class Checker {
   std::string fault() {
     switch (certificate_.kind) {
       case Certificate::Kind::Sizes: return fault_of_sizes();
+      case Certificate::Kind::Pieces: return fault_of_pieces();
       case Certificate::Kind::States: return fault_of_states();
       case Certificate::Kind::Waits: return fault_of_waits();
       case Certificate::Kind::Locked: break;
@@ -56,7 +63,10 @@ class Checker {
   }
 
   std::string fault_of_sizes();
-  double bound_by_sizes(const SizeRewards& rewards);
+  std::string fault_of_table(const SizeRewards& rewards);
+  std::string fault_of_pieces();
+  [[nodiscard]] std::string fault_of_names(const PieceValues& values) const;
+  void prove_bound(const SizeRewards& rewards, const PieceValues& values);
   std::string fault_of_states();
   std::string fault_of_waits();
   std::string fault_of_locked();
@@ -77,9 +87,15 @@ class Checker {
 // that a piece can never be taken apart.
 std::string Checker::fault_of_sizes() {
   const SizeRewards rewards(problem_);
+  if (std::string fault = fault_of_table(rewards); !fault.empty()) return fault;
+  prove_bound(rewards, PieceValues(problem_, rewards, certificate_.sizes));
+  return {};
+}
+
+std::string Checker::fault_of_table(const SizeRewards& rewards) {
   if (!rewards.known())
-    return "the objective is not told by the sizes of pieces, and the kind \"sizes\" proves "
-           "nothing of it";
+    return "the objective is not told by the sizes of pieces, and the kind \"" +
+           std::string(kind_name(certificate_.kind)) + "\" proves nothing of it";
   const std::vector<double>& g = certificate_.sizes;
   const auto pieces = detail::piece_sizes(problem_, ConnectionSet::all(problem_.num_connections()));
   const std::size_t largest = pieces.empty() ? 0 : *std::ranges::max_element(pieces);
@@ -103,51 +119,75 @@ std::string Checker::fault_of_sizes() {
       }
     }
   }
-  proved_ = bound_by_sizes(rewards);
   return {};
 }
 
-// What every step earns by its connection, what cuts earn, and what the step that completes earns
-// more than that.
-double Checker::bound_by_sizes(const SizeRewards& rewards) {
-  const std::vector<double>& g = certificate_.sizes;
-  const std::size_t connections = problem_.num_connections();
-  if (connections == 0) return 0;
-  Removals removals(problem_);
-  if (!removals.start_allowed()) return -kInfinity;
-  ConnectionSet all = ConnectionSet::all(connections);
-  const auto worth = [&](const ConnectionSet& present) {
-    double sum = 0;
-    for (const std::size_t parts : detail::piece_sizes(problem_, present))
-      sum = add_up(sum, g[parts]);
-    return sum;
-  };
-  double owns = 0;
-  for (ConnectionIndex c = 0; c < connections; ++c) owns = add_up(owns, rewards.own(c));
-  double best = -kInfinity;
-  if (problem_.direction() == Direction::Disassembly) {
-    // One connection is left, so if it separates, then two single parts.
-    for (ConnectionIndex c = 0; c < connections; ++c) {
-      const bool separates = problem_.ends(c)[0] != problem_.ends(c)[1];
-      double more = add_up(rewards.last(c, separates, 1, 1), -rewards.own(c));
-      if (separates) more = g[2] == -kInfinity ? -kInfinity : add_up(more, -g[2]);
-      best = std::max(best, more);
-    }
-    const double pieces = worth(all);
-    return pieces == -kInfinity ? pieces : add_up(add_up(pieces, owns), best);
+void Checker::prove_bound(const SizeRewards& rewards, const PieceValues& values) {
+  proved_ = -kInfinity;
+  for (const detail::PieceGroup& group :
+       detail::piece_groups(problem_, rewards, values, detail::PieceCuts(problem_)))
+    proved_ = std::max(proved_, group.bound);
+}
+
+// Values v of some pieces beside the table. What a piece is worth, w, is what is listed of it, or
+// what the table says of its number of parts, if that is less. For every piece that is listed, and
+// every cut of it that some plan may make,
+//
+//     v(S) >= cut(a, b) + w(A) + w(B).
+//
+// Cuts for which the table says so already are not looked at. So the sum of w over the pieces of a
+// state is a potential, as that of the table is. Where max_subassemblies is stated, it is a piece
+// together with the number of subassemblies that it may be at a time that is worth something
+// (PieceValues).
+std::string Checker::fault_of_pieces() {
+  const SizeRewards rewards(problem_);
+  if (std::string fault = fault_of_table(rewards); !fault.empty()) return fault;
+  PieceValues values(problem_, rewards, certificate_.sizes);
+  if (std::string fault = fault_of_names(values); !fault.empty()) return fault;
+  for (const Certificate::Piece& piece : certificate_.pieces)
+    values.list(piece.parts, piece.allowed, piece.value);
+  detail::PieceCuts cuts(problem_);
+  std::string fault;
+  for (std::size_t i = 0; i < certificate_.pieces.size(); ++i) {
+    const auto& [parts, allowed, value] = certificate_.pieces[i];
+    const auto check = [&, &value = value, &allowed = allowed](const detail::PieceCuts::Side& a,
+                                                               const detail::PieceCuts::Side& b) {
+      const double worth = add_up(values.cut(a.size(), b.size()), values.of_both(a, b, allowed));
+      ++inequalities_;
+      if (value >= worth) return true;
+      fault = "pieces[" + std::to_string(i) + "]: " + detail::number_text(value) +
+              " is less than a cut into " + std::to_string(a.size()) + " and " +
+              std::to_string(b.size()) + " parts, of which the first holds " +
+              detail::in_quotes(problem_.part_id(a.front())) + ", is worth, " +
+              detail::number_text(worth);
+      return false;
+    };
+    if (!cuts.for_each(parts, values.sizes_above(parts.size(), value), kMostCertifiedCuts, check))
+      return fault.empty() ? "pieces: there are more than " + std::to_string(kMostCertifiedCuts) +
+                                 " cuts to look at"
+                           : fault;
   }
-  // Looked at backwards the first removal is the step that completes.
-  removals.look_at(all);
-  for (ConnectionIndex c = 0; c < connections; ++c) {
-    if (!removals.allowed(c)) continue;
-    all.erase(c);
-    const double more =
-        add_up(rewards.last(c, removals.separates(), removals.a_parts(), removals.b_parts()),
-               -rewards.own(c));
-    best = std::max(best, add_up(worth(all), more));
-    all.insert(c);
+  prove_bound(rewards, values);
+  return {};
+}
+
+// Whether each is a set of parts of the product, with a number of subassemblies that it can make
+// use of.
+std::string Checker::fault_of_names(const PieceValues& values) const {
+  for (std::size_t i = 0; i < certificate_.pieces.size(); ++i) {
+    const auto& [parts, allowed, value] = certificate_.pieces[i];
+    const std::string place = "pieces[" + std::to_string(i) + "]: ";
+    const bool ascending =
+        std::ranges::adjacent_find(parts, std::ranges::greater_equal()) == parts.end();
+    if (parts.size() < 2 || !ascending || parts.back() >= problem_.num_parts() ||
+        parts.size() >= certificate_.sizes.size())
+      return place + "two parts or more of one piece of the product are wanted";
+    if (allowed != values.useful(allowed, parts.size()) || (values.limited() && allowed == 0))
+      return place + std::to_string(allowed) +
+             " is not a number of subassemblies that it can make use of at a time";
+    if (std::isnan(value)) return place + "its value is no number";
   }
-  return add_up(best, owns);
+  return {};
 }
 
 // A number h for each state that can be reached, layer by layer. With v(k) the most by which a step
@@ -301,6 +341,7 @@ std::string Checker::fault_of_locked() {
 std::string_view kind_name(Certificate::Kind kind) {
   switch (kind) {
     case Certificate::Kind::Sizes: return "sizes";
+    case Certificate::Kind::Pieces: return "pieces";
     case Certificate::Kind::States: return "states";
     case Certificate::Kind::Waits: return "waits";
     case Certificate::Kind::Locked: break;

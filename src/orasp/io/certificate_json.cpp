@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -26,16 +27,25 @@ using detail::number_or_null;
 
 constexpr std::string_view kCertificateFormat = "orasp-certificate/1";
 constexpr std::string_view kHexDigits = "0123456789abcdef";
-constexpr std::array kKinds = {Certificate::Kind::Sizes, Certificate::Kind::States,
-                               Certificate::Kind::Waits, Certificate::Kind::Locked};
+constexpr std::array kKinds = {Certificate::Kind::Sizes, Certificate::Kind::Pieces,
+                               Certificate::Kind::States, Certificate::Kind::Waits,
+                               Certificate::Kind::Locked};
 
-/// A digit for four connections, the first one for the first four; its lowest bit is the first.
-std::string digits_of(const ConnectionSet& present, std::size_t connections) {
-  std::string digits((connections + 3) / 4, '0');
+/// A digit for four of `count` things, the first one for the first four; its lowest bit is the
+/// first.
+template <class Indices>
+std::string digits_of(const Indices& members, std::size_t count) {
+  std::string digits((count + 3) / 4, '0');
   std::vector<unsigned> values(digits.size(), 0);
-  for_each_connection(present.view(), [&](ConnectionIndex c) { values[c / 4] |= 1U << (c % 4); });
+  for (const std::size_t i : members) values[i / 4] |= 1U << (i % 4);
   for (std::size_t i = 0; i < digits.size(); ++i) digits[i] = kHexDigits[values[i]];
   return digits;
+}
+
+std::string digits_of(const ConnectionSet& present, std::size_t connections) {
+  std::vector<ConnectionIndex> members;
+  for_each_connection(present.view(), [&](ConnectionIndex c) { members.push_back(c); });
+  return digits_of(members, connections);
 }
 
 /// Reads one file; every member throws InputError that names the place.
@@ -62,12 +72,17 @@ class CertificateReader {
         std::ranges::find_if(kKinds, [&](Certificate::Kind one) { return kind_name(one) == kind; });
     if (known == kKinds.end())
       throw InputError(
-          fmt::format("kind: {} is none; kinds are \"sizes\", \"states\", \"waits\" and \"locked\"",
+          fmt::format("kind: {} is none; kinds are \"sizes\", \"pieces\", \"states\", "
+                      "\"waits\" and \"locked\"",
                       in_quotes(kind)));
     certificate_.kind = *known;
     certificate_.bound = number(member("bound"), "bound");
     switch (certificate_.kind) {
       case Certificate::Kind::Sizes: read_sizes(); break;
+      case Certificate::Kind::Pieces:
+        read_sizes();
+        read_pieces();
+        break;
       case Certificate::Kind::States: read_layers(); break;
       case Certificate::Kind::Waits: read_waiting(); break;
       case Certificate::Kind::Locked: read_parts(); break;
@@ -111,6 +126,41 @@ class CertificateReader {
               number(value, fmt::format("sizes[{}]", certificate_.sizes.size())));
         });
   }
+  void read_pieces() {
+    expect(member("pieces"), JsonKind::Array, "pieces", "an array of pieces")
+        .for_each([&](JsonValue entry) {
+          certificate_.pieces.push_back(
+              piece(entry, fmt::format("pieces[{}]", certificate_.pieces.size())));
+        });
+  }
+  [[nodiscard]] Certificate::Piece piece(JsonValue entry, const std::string& place) const {
+    expect(entry, JsonKind::Array, place, "a set of parts, a number of subassemblies and a value");
+    if (entry.size() != 3)
+      throw InputError(detail::at(
+          place, fmt::format("expected a set of parts, a number of subassemblies and a value, "
+                             "found {} values",
+                             entry.size())));
+    Certificate::Piece piece;
+    std::size_t at = 0;
+    entry.for_each([&](JsonValue value) {
+      const std::string here = fmt::format("{}[{}]", place, at);
+      if (at == 0) {
+        for (const std::size_t part :
+             members(text(value, here), problem_.num_parts(), "parts", here))
+          piece.parts.push_back(static_cast<PartIndex>(part));
+      } else if (at == 1) {
+        const double allowed = number(value, here);
+        if (!(allowed >= 0) || allowed > static_cast<double>(kMaxParts) ||
+            allowed != std::floor(allowed))
+          throw InputError(detail::at(here, "expected a number of subassemblies"));
+        piece.allowed = static_cast<std::size_t>(allowed);
+      } else {
+        piece.value = number(value, here);
+      }
+      ++at;
+    });
+    return piece;
+  }
   void read_layers() {
     auto& layers = certificate_.layers;
     expect(member("layers"), JsonKind::Array, "layers", "an array of arrays")
@@ -142,24 +192,30 @@ class CertificateReader {
     return state;
   }
   [[nodiscard]] ConnectionSet set(const std::string& digits, const std::string& place) const {
-    const std::size_t connections = problem_.num_connections();
-    ConnectionSet present(connections);
-    bool fits = digits.size() == (connections + 3) / 4;
+    ConnectionSet present(problem_.num_connections());
+    for (const std::size_t c : members(digits, present.universe(), "connections", place))
+      present.insert(static_cast<ConnectionIndex>(c));
+    return present;
+  }
+  /// The set that digits stand for, ascending.
+  static std::vector<std::size_t> members(const std::string& digits, std::size_t count,
+                                          std::string_view things, const std::string& place) {
+    std::vector<std::size_t> found;
+    bool fits = digits.size() == (count + 3) / 4;
     for (std::size_t i = 0; fits && i < digits.size(); ++i) {
       const std::size_t value = kHexDigits.find(digits[i]);
       if (value == std::string_view::npos) fits = false;
       for (std::size_t bit = 0; fits && bit < 4; ++bit) {
         if ((value >> bit & 1U) == 0) continue;
-        fits = 4 * i + bit < connections;
-        if (fits) present.insert(static_cast<ConnectionIndex>(4 * i + bit));
+        fits = 4 * i + bit < count;
+        if (fits) found.push_back(4 * i + bit);
       }
     }
     if (!fits)
-      throw InputError(
-          detail::at(place, fmt::format("{} is no set of {} connections: a hexadecimal "
-                                        "digit stands for four of them",
-                                        in_quotes(digits), connections)));
-    return present;
+      throw InputError(detail::at(place, fmt::format("{} is no set of {} {}: a hexadecimal digit "
+                                                     "stands for four of them",
+                                                     in_quotes(digits), count, things)));
+    return found;
   }
   void read_waiting() {
     const std::string end = text(member("end"), "end");
@@ -201,11 +257,25 @@ std::string certificate_text(const Problem& problem, const Certificate& certific
   put("problem_digest", problem_digest(problem));
   put("kind", kind_name(certificate.kind));
   put("bound", number_or_null(certificate.bound));
+  const auto put_sizes = [&] {
+    auto sizes = nlohmann::ordered_json::array();
+    for (const double value : certificate.sizes) sizes.push_back(number_or_null(value));
+    put("sizes", sizes);
+  };
   switch (certificate.kind) {
-    case Certificate::Kind::Sizes: {
-      auto sizes = nlohmann::ordered_json::array();
-      for (const double value : certificate.sizes) sizes.push_back(number_or_null(value));
-      put("sizes", sizes);
+    case Certificate::Kind::Sizes: put_sizes(); break;
+    case Certificate::Kind::Pieces: {
+      put_sizes();
+      text += ",\n  \"pieces\": [";
+      const char* between = "\n    ";
+      for (const Certificate::Piece& piece : certificate.pieces) {
+        text += between;
+        between = ",\n    ";
+        text += "[\"" + digits_of(piece.parts, problem.num_parts()) + "\", " +
+                std::to_string(piece.allowed) + ", " + inline_text(number_or_null(piece.value)) +
+                "]";
+      }
+      text += "\n  ]";
       break;
     }
     case Certificate::Kind::States: {

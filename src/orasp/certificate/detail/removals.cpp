@@ -125,6 +125,15 @@ bool Removals::first_moves() const {
   return a_.parts.front() > b_.parts.front();
 }
 
+bool Removals::cut_allowed(const std::vector<PartIndex>& a, const std::vector<PartIndex>& b) {
+  separates_ = true;
+  a_ = piece_of(a);
+  b_ = piece_of(b);
+  moves_ = a_.base_parts == 0 || b_.base_parts == 0;
+  a_moves_ = moves_ && first_moves();
+  return limits_allow_pieces() && some_way_out();
+}
+
 bool Removals::allowed(ConnectionIndex connection) {
   if (!precedence_allows(connection)) return false;
   part_at(connection);
@@ -152,6 +161,13 @@ bool Removals::limits_allow() const {
   const std::size_t b = b_.parts.size();
   const std::size_t left = subassemblies_ - 1 + (a > 1 ? 1U : 0U) + (b > 1 ? 1U : 0U);
   if (limits.max_subassemblies && left > *limits.max_subassemblies) return false;
+  return limits_allow_pieces();
+}
+
+bool Removals::limits_allow_pieces() const {
+  const Limits& limits = problem_.limits();
+  const std::size_t a = a_.parts.size();
+  const std::size_t b = b_.parts.size();
   if (limits.grounded && ((a > 1 && a_.base_parts == 0) || (b > 1 && b_.base_parts == 0)))
     return false;
   if (!moves_) return true;

@@ -33,6 +33,10 @@ class Removals {
   void look_at(const ConnectionSet& present);
   /// Whether `connection`, which is present, may be removed.
   [[nodiscard]] bool allowed(ConnectionIndex connection);
+  /// Whether a piece may be separated into these two, as far as that depends on nothing else than
+  /// they: limits on what moves, grounded pieces, blocking. Both are not empty, and ascending. What
+  /// look_at() was told is kept; what allowed() was asked about last is not.
+  [[nodiscard]] bool cut_allowed(const std::vector<PartIndex>& a, const std::vector<PartIndex>& b);
   /// A sum that is at least what the step earns, and the step's reward itself.
   struct Reward {
     double most = 0;
@@ -55,6 +59,7 @@ class Removals {
   };
   [[nodiscard]] bool precedence_allows(ConnectionIndex connection) const;
   [[nodiscard]] bool limits_allow() const;
+  [[nodiscard]] bool limits_allow_pieces() const;
   [[nodiscard]] bool some_way_out() const;
   void part_at(ConnectionIndex connection);
   void walk(PartIndex from, ConnectionIndex without);
