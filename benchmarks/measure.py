@@ -302,7 +302,7 @@ def fuel_problem():
 
 def learned_problems():
     """(name, problem, limit of a training in seconds)."""
-    rows = [("hubble-upc", "hubble-upc", 60), ("iss-upc", "iss-upc", 120), ("jwst-upc", "jwst-upc", 60),
+    rows = [("hubble-upc", "hubble-upc", 60), ("iss-upc", "iss-upc", 120), ("jwst-upc", "jwst-upc", 300),
             ("hubble-upc, fuel", fuel_problem(), 60)]
     for name in ["furniture/bookcase_billy_0190", "furniture/bed_dalselv_0270", "furniture/desk_hannes_0529",
                  "lego/lego-013", "lego/lego-001", "lego/lego-045"]:

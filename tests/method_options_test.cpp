@@ -143,7 +143,7 @@ TEST(MethodOptions, HelpSaysWhatMayBeChosenAndWhatHoldsOtherwise) {
             "Stop when no value changed by this much (default: 1e-9).");
   EXPECT_EQ(help_of(row_called(training_options(), "hidden")),
             "Units of the hidden layers (default: two of 128, or of the connections if they are "
-            "more).");
+            "more; two of 32 over pieces).");
 }
 
 }  // namespace

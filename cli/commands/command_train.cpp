@@ -126,6 +126,7 @@ Json as_json(const Problem& problem, const Training& training, const TrainOption
                    {"episodes", training.record.episodes},
                    {"updates", training.record.updates},
                    {"policy_reward", number_or_null(training.trained.reward)},
+                   {"final_reward", number_or_null(training.record.greedy)},
                    {"status", status_name(result.status)},
                    {"reward", result.has_plan() ? Json(result.reward) : Json()},
                    {"bound", number_or_null(result.bound)},
@@ -150,7 +151,8 @@ std::string summary(const Problem& problem, const Training& training, const Trai
   }
   line("episodes", grouped(training.record.episodes));
   line("updates", grouped(training.record.updates));
-  line("policy", reward_text(training.trained.reward));
+  line("policy", reward_text(training.trained.reward) + " (the best of the training, kept)");
+  line("final", reward_text(training.record.greedy) + " (the network at the end)");
   line("best plan", result.has_plan() ? reward_text(result.reward) : "-");
   if (training.record.bound) {
     const double bound = *training.record.bound;
@@ -165,8 +167,7 @@ std::string summary(const Problem& problem, const Training& training, const Trai
   }
   line("time", seconds_text(training.record.seconds));
   if (options.policy.empty()) line("written", "nowhere: -o FILE keeps the policy");
-  if (!options.policy.empty() && !training.trained.policy.layers.empty())
-    line("written", options.policy);
+  if (!options.policy.empty() && !training.trained.policy.empty()) line("written", options.policy);
   for (const std::string& note : result.notes) text += printable(note) + '\n';
   return text;
 }
@@ -258,6 +259,8 @@ int run(const TrainOptions& options, const Context& context) {
   if (!options.resume.empty()) earlier = read_policy(options.resume, problem);
   DqnOptions dqn = options.learning.dqn;
   if (earlier) {
+    dqn.inputs =
+        earlier->trained.policy.pieces ? NetworkInputs::Pieces : NetworkInputs::Connections;
     dqn.hidden = earlier->trained.training.hidden;
     dqn.known_reward = earlier->trained.training.known_reward;
   }
@@ -282,7 +285,7 @@ int run(const TrainOptions& options, const Context& context) {
   }
   if (!training.warning.empty()) context.warn(training.warning);
   if (!options.policy.empty()) {
-    if (!training.trained.policy.layers.empty()) {
+    if (!training.trained.policy.empty()) {
       write_file(options.policy, policy_bytes(file_of(problem, training)));
     } else {
       context.warn("nothing was learned, so " + options.policy + " is not written");

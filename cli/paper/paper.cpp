@@ -160,7 +160,7 @@ PaperDistribution distribution(const std::string& name, const PaperEffort& effor
   const Training training = train(system, DqnOptions(), training_budget);
   row.episodes = training.record.episodes;
   row.training_seconds = training.record.seconds;
-  if (training.trained.policy.layers.empty()) return row;
+  if (training.trained.policy.empty()) return row;
   const Result followed = follow_policy(system, training.trained.policy, budget);
   if (!followed.has_plan()) return row;
   const Evaluation replayed = evaluate(problem, followed.sequence);

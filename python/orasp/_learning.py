@@ -63,7 +63,7 @@ class Policy:
     @property
     def layers(self) -> list[tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]]:
         """The weights, shape ``[inputs, outputs]``, and the bias, shape ``[outputs]``, of each layer; between
-        layers stands max(0, x). Views, nothing is copied."""
+        layers stands max(0, x). Empty for a policy over pieces. Views, nothing is copied."""
         return self._file.layers
 
     @property
@@ -91,8 +91,9 @@ class Policy:
         return hash(self.to_bytes())
 
     def __repr__(self) -> str:
-        sizes = [str(weights.shape[0]) for weights, _ in self.layers] + [str(self.layers[-1][1].shape[0])]
-        return f"<orasp.Policy {'-'.join(sizes)}, reward {self.reward:.6g}>"
+        sizes = [str(weights.shape[0]) for weights, _ in self.layers]
+        sizes += [str(bias.shape[0]) for _, bias in self.layers[-1:]]
+        return f"<orasp.Policy {'-'.join(sizes) or 'over pieces'}, reward {self.reward:.6g}>"
 
 
 @dataclass(frozen=True)

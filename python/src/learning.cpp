@@ -82,6 +82,8 @@ py::tuple train_policy(const ProblemPointer& problem, const OptionTexts& given, 
   }
   if (resume) {
     require_trained_on(*problem, *resume, "the policy");
+    options.inputs =
+        resume->trained.policy.pieces ? NetworkInputs::Pieces : NetworkInputs::Connections;
     options.hidden = resume->trained.training.hidden;
     options.known_reward = resume->trained.training.known_reward;
   }
@@ -105,7 +107,7 @@ py::tuple train_policy(const ProblemPointer& problem, const OptionTexts& given, 
     training = train(system, options, budget, hooks, resume ? &resume->trained : nullptr);
   });
   py::object policy = py::none();
-  if (!training.trained.policy.layers.empty()) {
+  if (!training.trained.policy.empty()) {
     const auto file = std::make_shared<PolicyFile>(file_of(*problem, training.trained));
     if (!checkpoint.empty()) write_file(checkpoint, policy_bytes(*file));
     policy = py::cast(file);

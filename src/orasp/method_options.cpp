@@ -20,6 +20,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kSweepOrders = {"layers", "textbook"};
 constexpr std::array<std::string_view, 3> kSymmetries = {"auto", "on", "off"};
 constexpr std::array<std::string_view, 3> kDevices = {"auto", "cpu", "cuda"};
+constexpr std::array<std::string_view, 3> kInputsNames = {"auto", "connections", "pieces"};
 
 // The tables. A row is NAME, UNIT, KIND, HELP, OTHERWISE, GROUP; see OptionSpec.
 
@@ -99,18 +100,28 @@ constexpr std::array kTrainingOptions = {
                FlagOption{[](Options& o) -> bool& { return o.dqn.stop_when_proved; }, false},
                "Play all episodes", "stop when the policy's plan earns the proved bound",
                kTraining},
+    OptionSpec{"inputs", "INPUTS",
+               ChoiceOption{kInputsNames,
+                            [](const Options& o) { return static_cast<std::size_t>(o.dqn.inputs); },
+                            [](Options& o, std::size_t place) {
+                              o.dqn.inputs = static_cast<NetworkInputs>(place);
+                            }},
+               "What the network sees: the open connections, as the paper's, or the pieces that a "
+               "step leaves; {}",
+               "{}, pieces from 128 connections on", kTraining},
     OptionSpec{"hidden", "N,N,...",
                WholeListOption{[](Options& o) -> std::vector<std::size_t>& { return o.dqn.hidden; },
                                1, 65'536},
-               "Units of the hidden layers", "two of 128, or of the connections if they are more",
-               kPaper},
+               "Units of the hidden layers",
+               "two of 128, or of the connections if they are more; two of 32 over pieces", kPaper},
     OptionSpec{
         "learning-rate", "RATE",
         RealOption{[](Options& o) -> double& { return o.dqn.learning_rate; }, Sign::Positive},
         "Of AdamW", "{}", kPaper},
     OptionSpec{"batch", "N",
                WholeOption{[](Options& o) -> std::uint64_t& { return o.dqn.batch; }, 1, 1'000'000},
-               "Steps in a gradient step", "three times the connections", kPaper},
+               "Steps in a gradient step", "three times the connections, and 64 over pieces",
+               kPaper},
     OptionSpec{
         "replay", "N",
         WholeOption{[](Options& o) -> std::uint64_t& { return o.dqn.replay; }, 1, 100'000'000},
@@ -139,20 +150,21 @@ constexpr std::array kTrainingOptions = {
                RealOption{[](Options& o) -> double& { return o.dqn.curriculum; }, Sign::Share},
                "Share of the episodes in which the network takes over ever earlier, having begun "
                "with the last connection",
-               "{}", kPaper},
+               "0.5, and 0 over pieces", kPaper},
     OptionSpec{
         "environments", "N",
         WholeOption{[](Options& o) -> std::uint64_t& { return o.dqn.environments; }, 1, 65'536},
         "Episodes side by side that explore, beside one that acts greedily",
-        "7, and 31 from 128 connections on", kBeyond},
+        "7, and 31 from 128 connections on that are not over pieces", kBeyond},
     OptionSpec{"updates-per-step", "N",
                WholeOption{[](Options& o) -> std::uint64_t& { return o.dqn.updates_per_step; }, 1,
                            1'000'000},
                "Gradient steps for each step of all episodes", "{}", kBeyond},
-    OptionSpec{"n-step", "N",
-               WholeOption{[](Options& o) -> std::uint64_t& { return o.dqn.n_step; }},
-               "Rewards that a target takes from its episode before the network's estimate; 0: all",
-               "{}", kBeyond},
+    OptionSpec{
+        "n-step", "N", WholeOption{[](Options& o) -> std::uint64_t& { return o.dqn.n_step; }},
+        "Rewards that a target takes from its episode before the network's estimate, over pieces "
+        "only up to the next random step; 0: all",
+        "{}", kBeyond},
     OptionSpec{"imitation", "SHARE",
                RealOption{[](Options& o) -> double& { return o.dqn.imitation; }, Sign::Share},
                "Share of each batch that is taken from the best episode", "{}", kBeyond},

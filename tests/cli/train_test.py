@@ -149,6 +149,35 @@ class Train(Case):
         self.assertEqual(answer.code, 30)
         self.assertIn("--policy belongs to the method dqn", answer.error)
 
+    def test_a_network_over_pieces_needs_no_libtorch(self):
+        policy = self.folder / "policy.pt"
+        log = self.folder / "log"
+        command = ["train", "hubble-upc", "--inputs", "pieces", "-o", policy, "--log", log, "--to-the-end", "--quiet"]
+        answer = orasp(*command, "--episodes", "160", "--json")
+        self.assertEqual(answer.code, 0, answer.error)
+        outcome = json.loads(answer.out)
+        records = [json.loads(line) for line in log.read_text().splitlines()]
+        self.assertEqual(outcome["final_reward"], records[-1]["greedy"])
+        self.assertEqual(outcome["policy_reward"], records[-1]["best_greedy"])
+        self.assertGreaterEqual(outcome["policy_reward"], outcome["final_reward"])
+        plan = orasp("solve", "hubble-upc", "--method", "dqn", "--policy", policy, "--json")
+        self.assertEqual(json.loads(plan.out)["reward"], outcome["policy_reward"])
+        self.assertEqual(orasp("sample", "hubble-upc", "--policy", policy).code, 0)
+
+        answer = orasp("train", "hubble-upc", "--resume", policy, "--episodes", "168", "--to-the-end", "--quiet")
+        self.assertEqual(answer.code, 0, answer.error)
+        self.assertRegex(answer.out, r"\nepisodes +168\n")
+        self.assertRegex(answer.out, r"\npolicy +-[0-9.]+ \(the best of the training, kept\)\n"
+                                     r"final +-[0-9.]+ \(the network at the end\)\n")
+        for arguments, words in [(["--inputs", "parts"], "auto, connections, pieces"),
+                                 (["--inputs", "pieces", "--device", "cuda"], "is trained on the processor")]:
+            answer = orasp("train", "4brick", *arguments)
+            self.assertEqual(answer.code, 30, answer.error)
+            self.assertIn(words, answer.error)
+        answer = orasp("solve", "iss-upc", "--method", "dqn", "--policy", policy)
+        self.assertEqual(answer.code, 30)
+        self.assertIn("was trained on another problem", answer.error)
+
     def test_options_that_make_no_sense(self):
         for arguments, words in [(["--discount", "1.5"], "from 0 to 1"), (["--epsilon-end", "-1"], "from 0 to 1"),
                                  (["--imitation", "nan"], "from 0 to 1"), (["--hidden", "8,,8"], "whole number"),

@@ -2,6 +2,7 @@
 
 #include "orasp/io/policy_file.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,18 @@ PolicyFile example() {
   return file;
 }
 
+/// A policy over pieces: one hidden layer of two units.
+PolicyFile over_pieces() {
+  PolicyFile file = example();
+  file.trained.policy.layers.clear();
+  file.trained.policy.pieces = PiecePolicy{.connections = 2, .hidden = {2}, .weights = {}};
+  std::vector<float>& weights = file.trained.policy.pieces->weights;
+  for (std::size_t i = 0; i < PiecePolicy::num_weights({2}); ++i)
+    weights.push_back(0.5F * static_cast<float>(i));
+  file.trained.training.hidden = {2};
+  return file;
+}
+
 std::string message_of(const std::string& bytes) {
   try {
     static_cast<void>(parse_policy(bytes));
@@ -48,8 +61,9 @@ std::string message_of(const std::string& bytes) {
 }
 
 /// A file with another first line and a checksum that fits it.
-std::string with_header(const std::string& from, const std::string& to) {
-  std::string bytes = policy_bytes(example());
+std::string with_header(const std::string& from, const std::string& to,
+                        const PolicyFile& file = example()) {
+  std::string bytes = policy_bytes(file);
   bytes.resize(bytes.size() - 64);
   const std::size_t at = bytes.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -69,6 +83,41 @@ TEST(PolicyFile, ReadsWhatItWrites) {
   EXPECT_EQ(read.trained.training.baseline, file.trained.training.baseline);
   EXPECT_EQ(read.trained.training.network, file.trained.training.network);
   EXPECT_EQ(policy_bytes(read), bytes);
+}
+
+TEST(PolicyFile, ReadsAPolicyOverPieces) {
+  for (const bool adds_reward : {true, false}) {
+    PolicyFile file = over_pieces();
+    file.trained.policy.adds_reward = adds_reward;
+    file.trained.policy.pieces->of_rewards = !adds_reward;
+    const std::string bytes = policy_bytes(file);
+    const PolicyFile read = parse_policy(bytes);
+    EXPECT_EQ(read.trained.policy, file.trained.policy);
+    EXPECT_EQ(read.trained.training.network, file.trained.training.network);
+    EXPECT_EQ(read.trained.policy.num_connections(), 2U);
+    EXPECT_EQ(policy_bytes(read), bytes);
+  }
+}
+
+TEST(PolicyFile, RefusesPiecesThatDoNotFit) {
+  // 20 features in, 2 units, 2 outputs: 42 + 6 weights, 40 of the linear function, 3 of the step.
+  ASSERT_EQ(PiecePolicy::num_weights({2}), 91U);
+  for (const auto& [from, to, says] : std::vector<std::array<std::string, 3>>{
+           {"\"connections\":2", "\"connections\":0", "number of connections"},
+           {"\"connections\":2", "\"connections\":-2", "number of connections"},
+           {"\"connections\":2", "\"connections\":99999", "number of connections"},
+           {"\"connections\":2", "\"connections\":1", "best plan"},
+           {"\"connections\":2,\"hidden\":[2]", "\"connections\":2,\"hidden\":[0]", "hidden"},
+           {"\"connections\":2,\"hidden\":[2]", "\"connections\":2,\"hidden\":[9]",
+            "fewer numbers"},
+           {"\"connections\":2,\"hidden\":[2]", "\"connections\":2,\"hidden\":[1]", "more numbers"},
+           {"\"connections\":2,\"hidden\":[2]", "\"connections\":2,\"hidden\":[65536,65536]",
+            "fewer numbers"},
+           {"\"layers\":[]", "\"layers\":[[0,0]]", "both layers and pieces"}}) {
+    const std::string message = message_of(with_header(from, to, over_pieces()));
+    EXPECT_EQ(message.find("the policy is not as it should be: "), 0U) << to << ": " << message;
+    EXPECT_NE(message.find(says), std::string::npos) << to << ": " << message;
+  }
 }
 
 TEST(PolicyFile, RefusesEveryCutAndEveryFlippedByte) {

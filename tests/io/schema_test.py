@@ -375,6 +375,11 @@ class Policies(unittest.TestCase):
             if code == 30:
                 self.skipTest("this build cannot train")
             header = json.loads(file.read_bytes().split(b"\n", 1)[0])
+            orasp("train", "lattice", "-o", str(file), "--episodes", "72", "--inputs", "pieces", "--quiet")
+            over_pieces = json.loads(file.read_bytes().split(b"\n", 1)[0])
+        self.assertEqual(faults("orasp-policy-1", over_pieces), [])
+        self.assertEqual(over_pieces["pieces"], {"connections": 12, "hidden": [32, 32]})
+        self.assertNotEqual(faults("orasp-policy-1", dict(over_pieces, pieces={"connections": 0, "hidden": []})), [])
         self.assertEqual(faults("orasp-policy-1", header), [])
         self.assertEqual(header.keys() - schema_of("orasp-policy-1")["properties"].keys(), set())
         self.assertNotEqual(faults("orasp-policy-1", dict(header, scale=0)), [])

@@ -117,6 +117,54 @@ TEST(TargetRule, CentredAndScaled) {
   EXPECT_FLOAT_EQ(known.target(replay, 0, kOnline, kTarget), (8 + 6) / 2.0F);
 }
 
+/// What the network says of the next state is cut to what rewards allow: neither runs away.
+TEST(TargetRule, OverPiecesKeepsToWhatRewardsAllow) {
+  const ReplayBuffer replay = memory();
+  DqnOptions options = plain();
+  options.inputs = NetworkInputs::Pieces;
+  const RestLimits limits{{0, -1000, -1000, -1000}, {0, 5, 6.5, 8}};
+  const auto target_of = [&](double scale, const RestLimits& cut, std::span<const float> says) {
+    return TargetRule(options, scale, {0, 0, 0, 0}, cut).target(replay, 0, says, says);
+  };
+  // In the second state, of two open connections, the network says 7, more than the 6.5 allowed.
+  EXPECT_FLOAT_EQ(target_of(1, limits, kTarget), -1 + 6.5F);
+  const std::array<float, 3> low = {-50, 0, -60};
+  const RestLimits narrow{{0, -6, -12, -18}, {0, 5, 6.5, 8}};
+  EXPECT_FLOAT_EQ(target_of(1, narrow, low), -1 - 12);
+  // Not below the least either, but where a dead end is worth less: ten times the scale.
+  EXPECT_DOUBLE_EQ(TargetRule(options, 3, {0, 0, 0, 0}).dead_end(2), -30);
+  EXPECT_FLOAT_EQ(target_of(3, narrow, low), (-1 - 30) / 3.0F);
+  options.discount = 0.5;  // the limits are those of sums
+  EXPECT_FLOAT_EQ(target_of(1, limits, kTarget), -1 + 0.5F * 7);
+}
+
+/// Over pieces a target's own rewards end at the next random step, and nothing is centred.
+TEST(TargetRule, OverPiecesTheEpisodeCountsUpToARandomStep) {
+  for (const bool random : {false, true}) {
+    ReplayBuffer::Episode steps(3);
+    ConnectionSet open = ConnectionSet::all(3);
+    steps.push(open.view(), std::vector<Action>{{0, -5}, {1, -1}, {2, -5}}, 1, true);
+    open.erase(1);
+    steps.push(open.view(), std::vector<Action>{{0, -2}, {2, -3}}, 0, random);
+    open.erase(0);
+    steps.push(open.view(), std::vector<Action>{{2, -4}}, 0);
+    ReplayBuffer replay(8, 3);
+    replay.add(steps, false);
+    DqnOptions options = plain();
+    options.n_step = 0;
+    options.inputs = NetworkInputs::Pieces;
+    const TargetRule rule(options, 2, {0, -4, -6, -10});
+    EXPECT_DOUBLE_EQ(rule.value_of(1.5, 2), 3) << "the baseline is for dead ends alone";
+    if (random) {
+      ASSERT_EQ(rule.asked(replay, 0), 1U);
+      EXPECT_FLOAT_EQ(rule.target(replay, 0, kOnline, kTarget), (-1 + 2 * 7) / 2.0F);
+    } else {
+      EXPECT_FALSE(rule.asked(replay, 0).has_value());
+      EXPECT_FLOAT_EQ(rule.target(replay, 0, {}, {}), (-1 - 2 - 4) / 2.0F);
+    }
+  }
+}
+
 TEST(TargetRule, ADeadEndIsWorseThanAnythingSeen) {
   const ReplayBuffer replay = memory(true);
   DqnOptions options = plain();
@@ -143,7 +191,9 @@ TEST(Train, RefusesANetworkThatDoesNotFit) {
   const TransitionSystem system(problem);
   Budget budget;
   budget.max_bytes = std::uint64_t{64} << 20;
-  EXPECT_THROW(train(system, {}, budget), InputError);
+  DqnOptions options;
+  options.inputs = NetworkInputs::Connections;
+  EXPECT_THROW(train(system, options, budget), InputError);
 }
 
 // One process: libtorch takes 0.6 s to load.
@@ -368,7 +418,7 @@ TEST_F(WithNetwork, StopsWithTheBestSoFar) {
   const Training training = train(system, {}, budget);
   EXPECT_EQ(stop_name(training.result.stop), "expansion limit");
   EXPECT_EQ(status_name(training.result.status), "feasible");
-  EXPECT_FALSE(training.trained.policy.layers.empty());
+  EXPECT_FALSE(training.trained.policy.empty());
   EXPECT_LE(training.trained.reward, training.result.reward);
 }
 

@@ -124,5 +124,39 @@ TEST(FollowPolicy, RefusesAPolicyOfAnotherSize) {
                InputError);
 }
 
+/// Of pieces: what the evaluator says is what the network says of the same steps, and a policy for
+/// another problem is refused.
+TEST(PolicyEvaluator, AnswersForPieces) {
+  const Problem problem = load_scenario("lattice");
+  const TransitionSystem system(problem);
+  Policy policy{.layers = {},
+                .pieces = PiecePolicy{.connections = problem.num_connections(),
+                                      .hidden = {4},
+                                      .weights = std::vector<float>(PiecePolicy::num_weights({4}))},
+                .scale = 2,
+                .adds_reward = true};
+  EXPECT_EQ(policy.num_connections(), problem.num_connections());
+  EXPECT_FALSE(policy.empty());
+  EXPECT_TRUE(Policy().empty());
+  EXPECT_THROW(PolicyEvaluator{policy}, InputError);
+  PolicyEvaluator evaluator(policy, system);
+  Expander expander(system);
+  const auto legal = expander.legal_actions(system.start().view());
+  const std::vector<Action> actions(legal.begin(), legal.end());
+  std::vector<double> values(actions.size());
+  evaluator.values(system.start().view(), actions, values);
+  for (std::size_t i = 0; i < actions.size(); ++i) EXPECT_EQ(values[i], actions[i].reward);
+  // A number of 0.5 for each piece that is there: all steps that separate nothing leave one.
+  const std::size_t linear = PiecePolicy::num_weights({4}) - PiecePolicy::kStep -
+                             PiecePolicy::kFeatures * PiecePolicy::kOutputs;
+  policy.pieces->weights[linear] = 0.5F;
+  evaluator.values(system.start().view(), actions, values);
+  for (std::size_t i = 0; i < actions.size(); ++i)
+    EXPECT_EQ(values[i], actions[i].reward + 2 * 0.5);
+  const Problem other = load_scenario("4brick");
+  const TransitionSystem small(other);
+  EXPECT_THROW(follow_policy(small, policy, Budget{}), InputError);
+}
+
 }  // namespace
 }  // namespace orasp

@@ -1,5 +1,6 @@
 #include "orasp/io/policy_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -28,25 +29,29 @@ Json header_of(const PolicyFile& file) {
   for (const DenseLayer& layer : file.trained.policy.layers)
     layers.push_back({layer.inputs, layer.outputs});
   const TrainingState& training = file.trained.training;
-  return {{"format", "orasp-policy/1"},
-          {"problem_digest", file.problem_digest},
-          {"problem", file.problem_name},
-          {"reward", std::isfinite(file.trained.reward) ? Json(file.trained.reward) : Json()},
-          {"layers", std::move(layers)},
-          {"scale", file.trained.policy.scale},
-          {"adds_reward", file.trained.policy.adds_reward},
-          {"training",
-           {{"episodes", training.episodes},
-            {"steps", training.steps},
-            {"updates", training.updates},
-            {"seconds", training.seconds},
-            {"scale", training.scale},
-            {"baseline", training.baseline},
-            {"hidden", training.hidden},
-            {"known_reward", training.known_reward},
-            {"random", fmt::to_string(training.random)},
-            {"best", training.best},
-            {"numbers", training.network.size()}}}};
+  Json header = {
+      {"format", "orasp-policy/1"},
+      {"problem_digest", file.problem_digest},
+      {"problem", file.problem_name},
+      {"reward", std::isfinite(file.trained.reward) ? Json(file.trained.reward) : Json()},
+      {"layers", std::move(layers)},
+      {"scale", file.trained.policy.scale},
+      {"adds_reward", file.trained.policy.adds_reward},
+      {"training",
+       {{"episodes", training.episodes},
+        {"steps", training.steps},
+        {"updates", training.updates},
+        {"seconds", training.seconds},
+        {"scale", training.scale},
+        {"baseline", training.baseline},
+        {"hidden", training.hidden},
+        {"known_reward", training.known_reward},
+        {"random", fmt::to_string(training.random)},
+        {"best", training.best},
+        {"numbers", training.network.size()}}}};
+  if (const auto& pieces = file.trained.policy.pieces)
+    header["pieces"] = {{"connections", pieces->connections}, {"hidden", pieces->hidden}};
+  return header;
 }
 
 /// A count as it must stand in the first line. nlohmann's own conversion would take -1 or 1e300 for
@@ -78,6 +83,19 @@ std::uint64_t random_state_of(const std::string& text) {
   return state;
 }
 
+PiecePolicy pieces_from(const Json& fields, detail::FloatReader& reader) {
+  PiecePolicy pieces;
+  pieces.connections = count_of(fields.at("connections"), "number of connections");
+  if (pieces.connections == 0 || pieces.connections > kMostUnits)
+    throw InputError("its number of connections is not one of a problem");
+  pieces.hidden =
+      counts_below<std::size_t>(kMostUnits + 1, fields.at("hidden"), "list of hidden layers");
+  if (std::ranges::find(pieces.hidden, 0U) != pieces.hidden.end())
+    throw InputError("its list of hidden layers has an empty one");
+  pieces.weights = reader.take(PiecePolicy::num_weights(pieces.hidden));
+  return pieces;
+}
+
 PolicyFile from_header(const Json& header, detail::FloatReader& reader) {
   PolicyFile file;
   file.problem_digest = header.at("problem_digest").get<std::string>();
@@ -99,9 +117,15 @@ PolicyFile from_header(const Json& header, detail::FloatReader& reader) {
     layer.bias = reader.take(layer.outputs);
     file.trained.policy.layers.push_back(std::move(layer));
   }
-  if (file.trained.policy.layers.empty() ||
-      file.trained.policy.layers.front().inputs != file.trained.policy.layers.back().outputs)
+  Policy& policy = file.trained.policy;
+  if (header.contains("pieces")) {
+    if (!policy.layers.empty()) throw InputError("it has both layers and pieces");
+    policy.pieces = pieces_from(header.at("pieces"), reader);
+    policy.pieces->of_rewards = !policy.adds_reward;
+  } else if (policy.layers.empty() ||
+             policy.layers.front().inputs != policy.layers.back().outputs) {
     throw InputError("its layers do not fit together");
+  }
   const Json& fields = header.at("training");
   TrainingState& training = file.trained.training;
   training.episodes = count_of(fields.at("episodes"), "number of episodes");
@@ -132,6 +156,7 @@ std::string policy_bytes(const PolicyFile& file) {
     detail::append_floats(bytes, layer.weights);
     detail::append_floats(bytes, layer.bias);
   }
+  if (file.trained.policy.pieces) detail::append_floats(bytes, file.trained.policy.pieces->weights);
   detail::append_floats(bytes, file.trained.training.network);
   return detail::sealed(std::move(bytes));
 }

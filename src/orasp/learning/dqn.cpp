@@ -4,10 +4,12 @@
 #include <cmath>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "orasp/learning/environment.h"
 #include "orasp/learning/network.h"
+#include "orasp/learning/piece_network.h"
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
 #include "orasp/model/random.h"
@@ -21,19 +23,53 @@ namespace orasp {
 // -------------------------------------------------------------------------------------------------
 // Targets
 
-TargetRule::TargetRule(const DqnOptions& options, double scale, std::vector<double> baseline)
-    : options_(options), scale_(scale), baseline_(std::move(baseline)) {}
+RestLimits rest_limits(const TransitionSystem& system) {
+  const std::size_t n = system.num_connections();
+  RewardRange step{kInfinity, -kInfinity};
+  RewardRange last = step;
+  for (std::size_t c = 0; c < n; ++c) {
+    const auto widen = [&](bool completes, RewardRange& range) {
+      const RewardRange one = system.reward_range(static_cast<ConnectionIndex>(c), n, completes);
+      range.least = std::min(range.least, one.least);
+      range.greatest = std::max(range.greatest, one.greatest);
+    };
+    widen(false, step);
+    widen(true, last);
+  }
+  last.least = std::min(last.least, step.least);
+  last.greatest = std::max(last.greatest, step.greatest);
+  RestLimits limits{{0}, {0}};
+  for (std::size_t k = 1; k <= n; ++k) {
+    const auto others = static_cast<double>(k - 1);
+    limits.least.push_back(last.least + (k > 1 ? others * step.least : 0));
+    limits.greatest.push_back(last.greatest + (k > 1 ? others * step.greatest : 0));
+  }
+  return limits;
+}
+
+TargetRule::TargetRule(const DqnOptions& options, double scale, std::vector<double> baseline,
+                       RestLimits limits)
+    : options_(options),
+      scale_(scale),
+      baseline_(std::move(baseline)),
+      limits_(std::move(limits)) {}
 
 double TargetRule::baseline(std::size_t open) const {
   return open < baseline_.size() ? baseline_[open] : 0;
 }
 
+double TargetRule::centre(std::size_t open) const {
+  // A sum over pieces has no use for what looks at all of them.
+  if (options_.inputs == NetworkInputs::Pieces) return 0;
+  return baseline(options_.known_reward ? open - 1 : open);
+}
+
 double TargetRule::value_of(double number, std::size_t open) const {
-  return number * scale_ + baseline(options_.known_reward ? open - 1 : open);
+  return number * scale_ + centre(open);
 }
 
 double TargetRule::number_of(double value, std::size_t open) const {
-  return (value - baseline(options_.known_reward ? open - 1 : open)) / scale_;
+  return (value - centre(open)) / scale_;
 }
 
 double TargetRule::dead_end(std::size_t open) const {
@@ -43,7 +79,11 @@ double TargetRule::dead_end(std::size_t open) const {
 
 std::size_t TargetRule::reach(const ReplayBuffer& replay, std::size_t place) const {
   const std::size_t rest = replay.step(place).left + std::size_t{1};
-  return options_.n_step == 0 ? rest : std::min(options_.n_step, rest);
+  const std::size_t most = options_.n_step == 0 ? rest : std::min(options_.n_step, rest);
+  if (options_.inputs != NetworkInputs::Pieces) return most;
+  std::size_t ahead = 1;
+  while (ahead < most && !replay.step(replay.later(place, ahead)).random) ++ahead;
+  return ahead;
 }
 
 std::optional<std::size_t> TargetRule::asked(const ReplayBuffer& replay, std::size_t place) const {
@@ -78,7 +118,13 @@ float TargetRule::target(const ReplayBuffer& replay, std::size_t place,
       if (std::isnan(rewards[c])) continue;  // not legal there
       if (best == rewards.size() || worth(picks, c) > worth(picks, best)) best = c;
     }
-    value += weight * worth(target, best);
+    double rest = worth(target, best);
+    if (options_.inputs == NetworkInputs::Pieces && options_.discount == 1 &&
+        open < limits_.greatest.size()) {
+      rest = std::min(std::max(rest, std::min(limits_.least[open], dead_end(open))),
+                      limits_.greatest[open]);
+    }
+    value += weight * rest;
   }
   if (options_.returns && options_.discount == 1 && !step.dead_end)
     value = std::max(value, step.rest);
@@ -109,7 +155,7 @@ void check(const DqnOptions& options) {
   share(options.epsilon_start, "epsilon start");
   share(options.epsilon_end, "epsilon end");
   share(options.target_rate, "target rate");
-  share(options.curriculum, "curriculum");
+  share(std::max(options.curriculum, 0.0), "curriculum");
   for (const std::size_t units : options.hidden) {
     if (units == 0 || units > 65'536)
       throw InputError("a hidden layer must have between 1 and 65536 units");
@@ -142,7 +188,7 @@ class Trainer {
   Trainer(const TransitionSystem& system, const DqnOptions& options, const Budget& budget,
           const TrainingHooks& hooks, const TrainedPolicy* resume)
       : system_(system),
-        options_(with_defaults(options, system.num_connections(), budget)),
+        options_(with_defaults(options, system, budget)),
         budget_(budget),
         hooks_(hooks),
         random_(options.seed),
@@ -150,7 +196,8 @@ class Trainer {
         replay_(options_.replay, system.num_connections()),
         best_episode_(system.num_connections(), system.num_connections()),
         traces_(options_.environments + 1, Trace(system.num_connections())),
-        rule_(options_, 1, {}) {
+        limits_(rest_limits(system)),
+        rule_(options_, 1, {}, limits_) {
     training_.record.bound = detail::bound_of_start(system);
     if (resume != nullptr) go_on(*resume);
   }
@@ -158,14 +205,21 @@ class Trainer {
   [[nodiscard]] Training run() {
     const Stopwatch watch;
     watch_ = &watch;
-    network_ = make_network({.connections = system_.num_connections(),
-                             .hidden = options_.hidden,
-                             .learning_rate = options_.learning_rate,
-                             .target_rate = options_.target_rate,
-                             .gradient_clip = options_.gradient_clip,
-                             .zero_outputs = options_.known_reward,
-                             .seed = options_.seed,
-                             .device = options_.device});
+    const NetworkOptions shape = {.connections = system_.num_connections(),
+                                  .hidden = options_.hidden,
+                                  .learning_rate = options_.learning_rate,
+                                  .target_rate = options_.target_rate,
+                                  .gradient_clip = options_.gradient_clip,
+                                  .zero_outputs = options_.known_reward,
+                                  .seed = options_.seed,
+                                  .device = options_.device};
+    if (options_.inputs == NetworkInputs::Pieces) {
+      auto pieces = std::make_unique<PieceNetwork>(system_, shape, options_.known_reward);
+      pieces_ = pieces.get();
+      network_ = std::move(pieces);
+    } else {
+      network_ = make_network(shape);
+    }
     training_.device = network_->device();
     training_.warning = network_->warning();
     TrainingState& state = training_.trained.training;
@@ -189,7 +243,7 @@ class Trainer {
         saved = watch.seconds();
       }
     }
-    if (!state.baseline.empty() && training_.trained.policy.layers.empty()) judge(policy());
+    if (!state.baseline.empty()) judge_at_the_end();
     tell();
     pack();
     finish();
@@ -205,9 +259,25 @@ class Trainer {
     bool over = false;
   };
 
-  static DqnOptions with_defaults(DqnOptions options, std::size_t connections,
+  static DqnOptions with_defaults(DqnOptions options, const TransitionSystem& system,
                                   const Budget& budget) {
     check(options);
+    const std::size_t connections = system.num_connections();
+    if (options.inputs == NetworkInputs::Auto) {
+      options.inputs = connections < 128 ? NetworkInputs::Connections : NetworkInputs::Pieces;
+    }
+    if (options.inputs == NetworkInputs::Pieces) {
+      if (options.device == "cuda") {
+        throw InputError(
+            "a network over pieces is trained on the processor, not on device 'cuda': inputs "
+            "'connections' take one");
+      }
+      if (options.hidden.empty()) options.hidden = {32, 32};
+      if (options.batch == 0) options.batch = 64;
+      if (options.environments == 0) options.environments = 7;
+      if (options.curriculum < 0) options.curriculum = 0;
+    }
+    if (options.curriculum < 0) options.curriculum = 0.5;
     if (options.episodes == 0) options.episodes = connections < 128 ? 5'000 : 20'000;
     if (options.environments == 0) options.environments = connections < 128 ? 7 : 31;
     if (options.hidden.empty()) options.hidden.assign(2, std::max<std::size_t>(128, connections));
@@ -220,12 +290,13 @@ class Trainer {
 
   void go_on(const TrainedPolicy& earlier) {
     const TrainingState& state = earlier.training;
-    if (state.hidden != options_.hidden || state.known_reward != options_.known_reward ||
+    if (earlier.policy.pieces.has_value() != (options_.inputs == NetworkInputs::Pieces) ||
+        state.hidden != options_.hidden || state.known_reward != options_.known_reward ||
         earlier.policy.num_connections() != system_.num_connections())
       throw InputError("the training to go on with has a network of another shape");
     training_.trained.training = state;
     random_ = SplitMix64(state.random);
-    rule_ = TargetRule(options_, state.scale, state.baseline);
+    rule_ = TargetRule(options_, state.scale, state.baseline, limits_);
     if (!state.best.empty()) keep(state.best, replayed(state.best));
     judge(earlier.policy);
   }
@@ -288,6 +359,7 @@ class Trainer {
     while (true) {
       asking_.clear();
       chosen_.assign(world_.size(), 0);
+      random_step_.assign(world_.size(), false);
       bool any = false;
       for (std::size_t i = 0; i < world_.size(); ++i) {
         if (traces_[i].over) continue;
@@ -298,6 +370,7 @@ class Trainer {
         any = true;
         const bool explores =
             all_random || (i > 0 && (world_.num_open(i) > from || random_.uniform() < share));
+        random_step_[i] = explores;
         if (explores) {
           chosen_[i] = random_.below(world_.actions(i).size());
         } else {
@@ -310,7 +383,7 @@ class Trainer {
         if (traces_[i].over) continue;
         const std::span<const Action> actions = world_.actions(i);
         const ConnectionIndex connection = actions[chosen_[i]].connection;
-        traces_[i].steps.push(world_.open(i), actions, chosen_[i]);
+        traces_[i].steps.push(world_.open(i), actions, chosen_[i], random_step_[i]);
         traces_[i].sequence.push_back(connection);
         world_.step(i, connection);
       }
@@ -329,7 +402,11 @@ class Trainer {
     numbers_.resize(asking_.size() * n);
     for (std::size_t k = 0; k < asking_.size(); ++k)
       world_.observe(asking_[k], std::span(states_).subspan(k * n, n));
-    network_->values(states_, numbers_);
+    if (pieces_ != nullptr) {
+      network_->target_values(states_, numbers_);
+    } else {
+      network_->values(states_, numbers_);
+    }
     for (std::size_t k = 0; k < asking_.size(); ++k) {
       const std::span<const Action> actions = world_.actions(asking_[k]);
       double most = -kInfinity;
@@ -396,12 +473,16 @@ class Trainer {
     if (!(scale > 1e-9 * largest)) scale = largest > 0 ? largest : 1;
     training_.trained.training.baseline = options_.scale ? mean : std::vector<double>(n + 1, 0);
     training_.trained.training.scale = options_.scale ? scale : 1;
-    rule_ =
-        TargetRule(options_, training_.trained.training.scale, training_.trained.training.baseline);
+    rule_ = TargetRule(options_, training_.trained.training.scale,
+                       training_.trained.training.baseline, limits_);
+    if (pieces_ == nullptr) return;
+    if (options_.known_reward) judge(policy());  // untrained, it is greedy
+    if (!finished()) pieces_->fit(replay_, training_.trained.training.scale);
   }
 
   [[nodiscard]] Policy policy() const {
     return {.layers = network_->layers(),
+            .pieces = pieces_ != nullptr ? std::optional(pieces_->policy()) : std::nullopt,
             .scale = training_.trained.training.scale,
             .adds_reward = options_.known_reward};
   }
@@ -411,11 +492,22 @@ class Trainer {
     training_.record.greedy = greedy_;
     if (greedy_ == -kInfinity || greedy_ > training_.trained.reward) judge(policy());
   }
+  /// What the network earns when training is over, though its time may be: a single plan.
+  void judge_at_the_end() {
+    training_.record.greedy = -kInfinity;
+    Budget budget;
+    budget.max_bytes = budget_.max_bytes;
+    budget.max_expansions = system_.num_connections() + 100;
+    judge(policy(), budget);
+  }
   /// As the policy acts without libtorch, whose last digits differ.
   void judge(Policy now) {
     Budget budget = budget_;
     budget.max_expansions = 20 * system_.num_connections() + 100;
     budget.progress = nullptr;
+    judge(std::move(now), budget);
+  }
+  void judge(Policy now, const Budget& budget) {
     const Result result = follow_policy(system_, now, system_.start(),
                                         ConnectionSet(system_.num_connections()), budget);
     TrainedPolicy& kept = training_.trained;
@@ -423,7 +515,7 @@ class Trainer {
       training_.record.greedy = result.reward;
       keep(result.sequence, result.reward);
     }
-    if (kept.policy.layers.empty() || (result.has_plan() && result.reward > kept.reward)) {
+    if (kept.policy.empty() || (result.has_plan() && result.reward > kept.reward)) {
       kept.policy = std::move(now);
       if (result.has_plan()) kept.reward = training_.record.best_greedy = result.reward;
     }
@@ -493,8 +585,9 @@ class Trainer {
     record.updates = training_.trained.training.updates;
     record.epsilon = epsilon();
     record.seconds = training_.trained.training.seconds + watch_->seconds();
-    if (told_ && *told_ == std::pair(record.episodes, record.updates)) return;
-    told_ = {record.episodes, record.updates};
+    const std::tuple now(record.episodes, record.updates, record.greedy);
+    if (told_ && *told_ == now) return;
+    told_ = now;
     if (hooks_.log) hooks_.log(record);
     budget_.report({.phase = "episodes",
                     .done = record.episodes,
@@ -535,19 +628,23 @@ class Trainer {
   ReplayBuffer replay_;
   ReplayBuffer best_episode_;
   std::vector<Trace> traces_;
+  const RestLimits limits_;
   TargetRule rule_;
   std::unique_ptr<Network> network_;
+  /// The same where it values pieces, else null.
+  PieceNetwork* pieces_ = nullptr;
   Training training_;
   const Stopwatch* watch_ = nullptr;
   Stop stop_ = Stop::None;
-  /// The episodes and updates of the last record.
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> told_;
+  /// The episodes, the updates and what the network earned of the last record.
+  std::optional<std::tuple<std::uint64_t, std::uint64_t, double>> told_;
   /// What the first episode of the round earned, which acts greedily.
   double greedy_ = -kInfinity;
   std::uint64_t steps_of_round_ = 0;
   // Scratch.
   std::vector<std::size_t> asking_;
   std::vector<std::size_t> chosen_;
+  std::vector<bool> random_step_;
   std::vector<std::size_t> places_;
   std::vector<std::size_t> row_;
   std::vector<float> states_;

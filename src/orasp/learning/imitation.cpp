@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "orasp/learning/detail/adam.h"
 #include "orasp/model/error.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
@@ -85,32 +86,6 @@ double loss_of(const LabelledState& labelled, std::span<const float> worth,
   }
   return mean - std::log(right);
 }
-
-class Adam {
- public:
-  Adam(std::size_t size, double rate) : rate_(rate), first_(size), second_(size) {}
-  void step(std::span<const float> gradient, std::vector<float>& weights) {
-    constexpr double kFirst = 0.9;
-    constexpr double kSecond = 0.999;
-    first_power_ *= kFirst;
-    second_power_ *= kSecond;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      const double g = gradient[i];
-      first_[i] = kFirst * first_[i] + (1 - kFirst) * g;
-      second_[i] = kSecond * second_[i] + (1 - kSecond) * g * g;
-      const double move =
-          first_[i] / (1 - first_power_) / (std::sqrt(second_[i] / (1 - second_power_)) + 1e-8);
-      weights[i] -= static_cast<float>(rate_ * (move + 0.01 * weights[i]));
-    }
-  }
-
- private:
-  double rate_;
-  double first_power_ = 1;
-  double second_power_ = 1;
-  std::vector<double> first_;
-  std::vector<double> second_;
-};
 
 void shuffle(std::vector<std::size_t>& order, SplitMix64& random) {
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
@@ -218,7 +193,7 @@ Imitation imitate(std::span<const TransitionSystem* const> systems, const Imitat
 
   GraphPolicy policy = outcome.policy;
   GraphNetwork network;
-  Adam adam(policy.weights.size(), options.learning_rate);
+  detail::Adam adam(policy.weights.size());
   std::vector<float> gradient(policy.weights.size());
   std::vector<float> slope;
   std::vector<std::size_t> turn(lessons.size());
@@ -259,7 +234,7 @@ Imitation imitate(std::span<const TransitionSystem* const> systems, const Imitat
         for (float& number : slope) number /= static_cast<float>(end - begin);
         network.backward(policy, one.state, slope, gradient);
       }
-      adam.step(gradient, policy.weights);
+      adam.step(gradient, options.learning_rate, policy.weights);
       outcome.stop = budget.expired();
     }
     if (outcome.stop != Stop::None) break;

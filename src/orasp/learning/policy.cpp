@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "orasp/learning/piece_network.h"
 #include "orasp/model/error.h"
 #include "orasp/planners/depth_first_plan.h"
 #include "orasp/planners/planner_support.h"
@@ -30,7 +31,23 @@ bool operator==(const DenseLayer& a, const DenseLayer& b) {
          a.bias == b.bias;
 }
 
-PolicyEvaluator::PolicyEvaluator(const Policy& policy) : policy_(policy) {}
+struct PolicyEvaluator::Pieces {
+  explicit Pieces(const TransitionSystem& system) : observer(system) {}
+  PieceObserver observer;
+  PieceEvaluator evaluator;
+  PieceSteps steps;
+  std::vector<ConnectionIndex> connections;
+};
+
+PolicyEvaluator::PolicyEvaluator(const Policy& policy) : policy_(policy) {
+  if (policy.pieces)
+    throw InputError("a policy that values pieces is asked together with its problem");
+}
+
+PolicyEvaluator::PolicyEvaluator(const Policy& policy, const TransitionSystem& system)
+    : policy_(policy), pieces_(policy.pieces ? std::make_unique<Pieces>(system) : nullptr) {}
+
+PolicyEvaluator::~PolicyEvaluator() = default;
 
 std::span<const float> PolicyEvaluator::outputs(SetView open) {
   for (std::size_t l = 0; l < policy_.layers.size(); ++l) {
@@ -53,6 +70,19 @@ std::span<const float> PolicyEvaluator::outputs(SetView open) {
 
 void PolicyEvaluator::values(SetView open, std::span<const Action> actions,
                              std::span<double> values) {
+  if (pieces_) {
+    pieces_->connections.clear();
+    for (const Action& action : actions) pieces_->connections.push_back(action.connection);
+    pieces_->steps.clear();
+    pieces_->observer.describe(open, pieces_->connections, pieces_->steps);
+    const std::span<const float> numbers =
+        pieces_->evaluator.numbers(*policy_.pieces, pieces_->steps);
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      values[i] = policy_.scale * static_cast<double>(numbers[i]) +
+                  (policy_.adds_reward ? actions[i].reward : 0);
+    }
+    return;
+  }
   const std::span<const float> out = outputs(open);
   for (std::size_t i = 0; i < actions.size(); ++i) {
     values[i] = policy_.scale * static_cast<double>(out[actions[i].connection]) +
@@ -77,7 +107,7 @@ Result follow_policy(const TransitionSystem& system, const Policy& policy,
                      const ConnectionSet& from, const ConnectionSet& forbidden,
                      const Budget& budget) {
   if (const auto reason = policy_obstacle(system, policy)) throw Refusal("dqn", *reason);
-  PolicyEvaluator evaluator(policy);
+  PolicyEvaluator evaluator(policy, system);
   std::vector<double> values;
   std::vector<std::pair<double, Action>> ranked;
   const auto best_first = [&](SetView open, std::span<Action> actions) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,6 +25,39 @@ struct DenseLayer {
   std::vector<float> bias;
 };
 
+/// A network that values what a step leaves piece by piece: what holds of a piece of four parts
+/// here holds of one there, so little must be learned of much.
+///
+/// Idea.      A step's number is the sum over the pieces of two or more parts that are there after
+///            it of a function of the piece's features (how many parts, connections, leaves, what
+///            mass, ...), plus a constant where work is left. So what a step changes is told by the
+///            pieces that it changes alone. Where the step's own reward is to be learned, a second
+///            function of the two sides is added where it separates. Both functions are the two
+///            outputs of one fully connected network with max(0, x) between layers, plus a linear
+///            function of the features.
+/// Reference. Sums of a shared function over a set: Zaheer et al. (2017), NeurIPS, 3391-3401.
+struct PiecePolicy {
+  static constexpr std::size_t kFeatures = 20;
+  static constexpr std::size_t kOutputs = 2;
+  /// What a step adds beside the pieces: where work is left after it; where it is the last; where
+  /// it separates.
+  static constexpr std::size_t kStep = 3;
+
+  /// Connections of the problem that it is for.
+  std::size_t connections = 0;
+  /// Units of the hidden layers.
+  std::vector<std::size_t> hidden;
+  /// Whether its numbers hold the step's own reward.
+  bool of_rewards = false;
+  /// Shape [num_weights(hidden)]: for each hidden layer and for the outputs a matrix of shape
+  /// [inputs, outputs] and a bias, then the linear function, of shape [kFeatures, kOutputs], then
+  /// kStep numbers.
+  std::vector<float> weights;
+
+  [[nodiscard]] static std::size_t num_weights(const std::vector<std::size_t>& hidden);
+  friend bool operator==(const PiecePolicy&, const PiecePolicy&) = default;
+};
+
 /// What training leaves: a network that says for each open connection what handling it next is
 /// worth, as plain weights.
 ///
@@ -34,14 +68,19 @@ struct DenseLayer {
 ///
 /// up to a number that all actions of a state share.
 struct Policy {
+  /// None where the policy values pieces.
   std::vector<DenseLayer> layers;
+  std::optional<PiecePolicy> pieces{};
   /// A positive number.
   double scale = 1;
   /// Whether the network was trained on what comes after a step, so that the reward of the step
   /// itself is added.
   bool adds_reward = false;
 
+  /// Whether it says nothing: training was stopped before the first network.
+  [[nodiscard]] bool empty() const { return layers.empty() && !pieces; }
   [[nodiscard]] std::size_t num_connections() const {
+    if (pieces) return pieces->connections;
     return layers.empty() ? 0 : layers.front().inputs;
   }
   friend bool operator==(const Policy&, const Policy&) = default;
@@ -83,12 +122,18 @@ struct TrainedPolicy {
 /// each output is summed in one order, without fused operations.
 class PolicyEvaluator {
  public:
-  /// The policy must outlive it.
+  /// Of a policy that looks at open connections. The policy must outlive it.
+  /// @throws InputError where the policy values pieces.
   explicit PolicyEvaluator(const Policy& policy);
+  /// Of any policy, for a problem that it fits (policy_obstacle()). Both must outlive it.
+  PolicyEvaluator(const Policy& policy, const TransitionSystem& system);
   // A policy that goes out of scope at once.
   explicit PolicyEvaluator(const Policy&&) = delete;
+  PolicyEvaluator(const Policy&&, const TransitionSystem&) = delete;
+  ~PolicyEvaluator();
 
-  /// The network's outputs in a state, shape [connections]; valid until the next call. O(weights),
+  /// The outputs of the layers in a state, shape [connections]; valid until the next call. For a
+  /// policy that looks at open connections. O(weights),
   /// less what the open connections and the units at 0 save: about a microsecond at two layers of
   /// 128 and 19 connections.
   [[nodiscard]] std::span<const float> outputs(SetView open);
@@ -99,7 +144,9 @@ class PolicyEvaluator {
   [[nodiscard]] std::size_t choose(SetView open, std::span<const Action> actions);
 
  private:
+  struct Pieces;
   const Policy& policy_;
+  std::unique_ptr<Pieces> pieces_;  ///< where the policy values pieces
   std::vector<float> in_;
   std::vector<float> out_;
   std::vector<double> values_;

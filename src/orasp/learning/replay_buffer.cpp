@@ -14,11 +14,13 @@ std::size_t ReplayBuffer::bytes_per_step(std::size_t connections) {
          connections * sizeof(float);
 }
 
-void ReplayBuffer::Episode::push(SetView open, std::span<const Action> actions, std::size_t taken) {
+void ReplayBuffer::Episode::push(SetView open, std::span<const Action> actions, std::size_t taken,
+                                 bool random) {
   Step step;
   step.connection = actions[taken].connection;
   step.num_open = static_cast<std::uint32_t>(count(open));
   step.reward = actions[taken].reward;
+  step.random = random;
   steps_.push_back(step);
   states_.insert(states_.end(), open.begin(), open.end());
   const std::size_t begin = rewards_.size();

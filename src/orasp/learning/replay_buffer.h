@@ -25,6 +25,8 @@ class ReplayBuffer {
     std::uint32_t num_open = 0;
     /// How many steps its episode had after it.
     std::uint32_t left = 0;
+    /// Whether it was taken at random, not because it was worth most.
+    bool random = false;
     /// Whether the episode ended with connections left.
     bool dead_end = false;
     double reward = 0;
@@ -44,9 +46,10 @@ class ReplayBuffer {
   class Episode {
    public:
     explicit Episode(std::size_t connections) : connections_(connections) {}
-    /// A step: its state, the state's legal actions, and which of them was taken (its place among
-    /// them).
-    void push(SetView open, std::span<const Action> actions, std::size_t taken);
+    /// A step: its state, the state's legal actions, which of them was taken (its place among
+    /// them), and whether at random.
+    void push(SetView open, std::span<const Action> actions, std::size_t taken,
+              bool random = false);
     void clear();
 
    private:

@@ -140,6 +140,10 @@ class Connectivity {
   }
 
   // With lists only.
+  /// The parts that were walked; each side and each piece is one or two runs of them.
+  [[nodiscard]] std::span<const PartIndex> walked() const {
+    return std::span(order_).first(visited_);
+  }
   [[nodiscard]] Side lower_side(ConnectionIndex c) const;
   [[nodiscard]] Side upper_side(ConnectionIndex c) const;
   /// The piece of a part, and whether two parts are in one.
