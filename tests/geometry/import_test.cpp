@@ -99,6 +99,17 @@ TEST(Import, MassIsVolumeTimesDensityAndItsSourceIsKept) {
   EXPECT_EQ(given.parts[2].source, DensitySource::Given);
 }
 
+TEST(Import, EqualPartsWeighTheSameToTheLastDigit) {
+  CadModel model = row();
+  model.parts[0].volume = 1000;
+  model.parts[2].volume = 1000.02;  // measured where it lies
+  const ImportedAssembly assembly = assembly_from_cad(model, {});
+  EXPECT_EQ(assembly.problem.parts[0].mass, assembly.problem.parts[2].mass);
+  model.parts[2].volume = 1100;  // of one name, but another shape
+  const ImportedAssembly others = assembly_from_cad(model, {});
+  EXPECT_LT(others.problem.parts[0].mass, others.problem.parts[2].mass);
+}
+
 TEST(Import, ADensityThatNoMaterialHasIsPassedOver) {
   CadModel model = row();
   model.parts[0].density = 2.7e6;

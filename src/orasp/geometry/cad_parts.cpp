@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -185,6 +186,13 @@ std::vector<CadPartFacts> part_facts(std::span<const CadPart> parts, const Densi
     facts[i].volume = parts[i].volume.value_or(std::max(measured.volume, 0.0));
     facts[i].centroid = parts[i].centroid.value_or(measured.centroid);
     find_density(parts[i], densities, facts[i]);
+  }
+  // What was placed otherwise was measured otherwise, in the last digits: equal parts weigh the
+  // same.
+  for (CadPartFacts& part : facts) {
+    constexpr double kRounding = 1e-3;
+    const double first = facts[part.equal].volume;
+    if (std::abs(part.volume - first) <= kRounding * first) part.volume = first;
   }
   for (const auto& [word, density] : densities.by_part) {
     const std::vector<std::size_t> meant = parts_called(word, facts);
