@@ -160,12 +160,13 @@ TEST(PartTrees, AStarIsParted) {
   }
 }
 
-TEST(PartTrees, ItEndsAtItsLimitWithAPlanAndABound) {
+/// A tree of parts at random.
+ProblemSpec tree_of(int parts) {
   SplitMix64 random(5);
   ProblemSpec spec;
   spec.action = StepKind::Part;
   spec.objective = Objective::named("fuel");
-  for (int p = 0; p < 40; ++p) {
+  for (int p = 0; p < parts; ++p) {
     Part& part = spec.parts.emplace_back();
     part.id = "p" + std::to_string(p);
     part.mass = 1.0 + p;
@@ -174,15 +175,39 @@ TEST(PartTrees, ItEndsAtItsLimitWithAPlanAndABound) {
     connection.id = "c" + std::to_string(p);
     connection.parts = {"p" + std::to_string(random.below(static_cast<std::uint64_t>(p))), part.id};
   }
-  const Problem problem(spec);
+  return spec;
+}
+
+TEST(PartTrees, ItEndsAtItsLimitWithAPlanAndABound) {
   Budget few;
   few.max_expansions = 3;
-  for (const Budget& budget : {few, Budget::with_time_limit(0.05)}) {
-    const Result result = solve(problem, "and-or", {}, budget);
+  // Of 40 parts not even the first steps are listed in so short a time.
+  const std::pair<int, Budget> limited[] = {{14, few}, {40, Budget::with_time_limit(0.05)}};
+  for (const auto& [parts, budget] : limited) {
+    const Result result = solve(Problem(tree_of(parts)), "and-or", {}, budget);
     ASSERT_TRUE(result.has_plan());
     ASSERT_TRUE(result.bound.has_value());
     EXPECT_GE(*result.bound, result.reward);
     EXPECT_NE(result.stop, Stop::None);
+  }
+}
+
+TEST(PartTrees, WhereNothingIsToBeDoneThePlanIsEmpty) {
+  ProblemSpec spec;
+  spec.action = StepKind::Part;
+  spec.objective =
+      Objective("expression", Expression{.formula = "-moved_mass", .compiler = compile_formula});
+  for (const char* const id : {"left", "right"}) {
+    spec.parts.emplace_back().id = id;
+    for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+      spec.direction = direction;
+      for (const char* const method : {"and-or", "auto"}) {
+        const Result result = solve(Problem(spec), method);
+        EXPECT_EQ(result.status, Status::Optimal) << method;
+        EXPECT_EQ(result.reward, 0);
+        EXPECT_TRUE(result.steps.empty());
+      }
+    }
   }
 }
 

@@ -39,6 +39,7 @@ class PartTrees {
   /// result.stop is None.
   double run() {
     const std::vector<Words> pieces = pieces_of(system_.start_state());
+    if (pieces.empty()) return 0;  // nothing is to be done
     const Role completing = completes_first_ ? Role::First : Role::Last;
     double inside = 0;
     double most = -kInfinity;

@@ -760,23 +760,57 @@ Result plan_from_the_end(const TransitionSystem& system, const Budget& budget) {
   return result;
 }
 
+/// How many pieces and-or may look at before something else is tried: none where steps do not take
+/// parts off, or where a piece may have too many.
+std::uint64_t pieces_worth_a_look(const TransitionSystem& system) {
+  if (!takes_part_trees(system) || and_or_obstacle(system)) return 0;
+  const auto of_what_is_taken_apart = [](const TransitionSystem& from) -> std::uint64_t {
+    if (has_many_moves(from)) return 0;
+    constexpr double kMostSteps = 2e8;
+    const auto steps = static_cast<double>(Expander(from).legal_actions(from.start_state()).size());
+    return static_cast<std::uint64_t>(std::clamp(kMostSteps / (steps + 1), 2'000.0, 200'000.0));
+  };
+  return system.takes_apart() ? of_what_is_taken_apart(system)
+                              : of_what_is_taken_apart(system.backwards());
+}
+
 }  // namespace
 
 Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   if (auto result = infeasible_at_once(system, "auto")) return *result;
   const Stopwatch watch;
-  const Result turned = turns_round(system) ? plan_from_the_end(system, budget) : Result();
-  const auto better_of = [&turned](Result plan) {
-    if (!turned.has_plan() || plan.reward >= turned.reward) return plan;
-    take_plan(turned, plan);
-    plan.status = Status::Feasible;
-    return plan;
-  };
   const auto answer = [&](Result result, const std::string& how) {
     result.method = "auto";
     result.notes.insert(result.notes.begin(), "auto: " + how);
     result.statistics.seconds = watch.seconds();
     return result;
+  };
+  double most = kInfinity;
+  // Piece by piece, for so much of the time, and no more than so many pieces.
+  const auto by_pieces = [&](std::uint64_t pieces, int share) {
+    Budget look = budget;
+    look.max_expansions = std::min(budget.max_expansions, pieces);
+    const auto now = Budget::Clock::now();
+    if (budget.deadline) look.deadline = now + (*budget.deadline - now) / share;
+    return part_trees(system, look);
+  };
+  const std::string why_pieces = "and-or, since the objective sees the piece only";
+  const std::uint64_t pieces = pieces_worth_a_look(system);
+  Result turned;
+  if (turns_round(system)) {
+    constexpr std::uint64_t kFewPieces = 2'000;
+    if (pieces > 0) {
+      Result found = by_pieces(std::min(pieces, kFewPieces), 4);
+      if (found.status == Status::Optimal || found.status == Status::Infeasible)
+        return answer(std::move(found), why_pieces);
+    }
+    turned = plan_from_the_end(system, budget);
+  }
+  const auto better_of = [&turned](Result plan) {
+    if (!turned.has_plan() || plan.reward >= turned.reward) return plan;
+    take_plan(turned, plan);
+    plan.status = Status::Feasible;
+    return plan;
   };
   const bool bounded = WideBound(system).known();
   const bool many = has_many_moves(system);
@@ -799,33 +833,25 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     judge_by(plan.reward, plan);
     return answer(std::move(plan), "the plan earns as much as the bound allows");
   }
-  double most = kInfinity;
   const auto add = [&](Result found) {
     if (found.bound) most = std::min(most, *found.bound);
     if (found.has_plan() && found.reward > plan.reward) plan = std::move(found);
   };
-  const bool by_pieces = !many && takes_part_trees(system) && !and_or_obstacle(system);
   // Best first, as long as that is quick.
   if (bounded) {
     Budget look = budget;
     constexpr std::uint64_t kFewest = 500;
-    const std::uint64_t few = by_pieces ? kFewest : expansions_at_first(system, 3e8);
+    const std::uint64_t few = pieces > 0 ? kFewest : expansions_at_first(system, 3e8);
     look.max_expansions = std::min(budget.max_expansions, few);
     Result found = wide_a_star(system, look);
     if (found.status == Status::Optimal || found.status == Status::Infeasible)
       return answer(std::move(found), "a-star, since few states promise enough");
     add(std::move(found));
   }
-  if (by_pieces) {
-    // Piece by piece, for the first half of the time.
-    constexpr std::uint64_t kMostPieces = 200'000;
-    Budget look = budget;
-    look.max_expansions = std::min(budget.max_expansions, kMostPieces);
-    const auto now = Budget::Clock::now();
-    if (budget.deadline) look.deadline = now + (*budget.deadline - now) / 2;
-    Result found = part_trees(system, look);
+  if (pieces > 0) {
+    Result found = by_pieces(pieces, 2);
     if (found.status == Status::Optimal || found.status == Status::Infeasible)
-      return answer(std::move(found), "and-or, since the objective sees the piece only");
+      return answer(std::move(found), why_pieces);
     add(std::move(found));
     if (plan.has_plan() && meets(plan.reward, most)) {
       judge_by(most, plan);
