@@ -61,6 +61,20 @@ class Stopping(unittest.TestCase):
             interrupt_after(0.1)
             time.sleep(5)
 
+    def test_ctrl_c_never_makes_an_integer_program_look_solved(self):
+        """A linear program that is ended looks infeasible, and the plan at hand proved best."""
+        if orasp.obstacle("table-hemnes", "mip") is not None:
+            self.skipTest("CBC is not there")
+        best = orasp.solve("table-hemnes").reward
+        for moment in (0.1, 0.3, 0.6, 0.7, 1.5, 1.6):
+            timer = interrupt_after(moment)
+            result = orasp.solve("table-hemnes", "mip", time_limit=30)
+            timer.join()
+            if result.status == "optimal":
+                self.assertAlmostEqual(result.reward, best)
+            else:
+                self.assertEqual(result.stopped, "interrupted")
+
     def test_ctrl_c_does_not_wait_for_a_slow_reward(self):
         """H is built thousands of states at a time, which a function of one step makes a matter of seconds."""
         def dawdle(step):

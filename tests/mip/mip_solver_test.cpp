@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <string>
 #include <thread>
 
@@ -140,6 +141,25 @@ TEST_F(MipSolverTest, StopsWhenTheWatcherSaysSoWithWhatItHas) {
     EXPECT_EQ(model.broken_by(solution.values, 1e-5), "");
     EXPECT_LE(solution.bound, solution.objective);
   }
+}
+
+// Else an interrupt would end a linear program that then passes for infeasible.
+TEST_F(MipSolverTest, LeavesSigintToWhoeverHasIt) {
+  static std::sig_atomic_t heard = 0;
+  heard = 0;
+  const auto before = std::signal(SIGINT, [](int) { heard = heard + 1; });
+  int raised = 0;
+  MipSettings settings;
+  settings.watcher = [&](const MipProgress& progress) {
+    ++raised;
+    std::raise(SIGINT);
+    return progress.nodes >= 20 ? Stop::ExpansionLimit : Stop::None;
+  };
+  const MipSolution solution = solve(market_split(), settings);
+  EXPECT_NE(solution.status, MipSolution::Status::Optimal);
+  EXPECT_GE(raised, 2);
+  EXPECT_EQ(heard, raised);
+  std::signal(SIGINT, before);
 }
 
 TEST_F(MipSolverTest, DoesNothingWhereItIsOverBeforeTheStart) {

@@ -6,8 +6,10 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,9 @@
 #include <ClpSimplex.hpp>
 #include <CoinPackedMatrix.hpp>
 #include <OsiClpSolverInterface.hpp>
+#include <link.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "orasp/mip/mip_solver.h"
 
@@ -31,6 +36,83 @@ constexpr double kLeastObjective = 0.5;
 constexpr double kGreatestObjective = 1000;
 /// A solution counts as better if it is so by this part of the greatest term.
 constexpr double kIncrement = 1e-7;
+
+// CBC and Clp take SIGINT for themselves each time that they begin a tree or a linear program. An
+// interrupt then ends whatever they are at, nobody else hears of it, and a linear program that was
+// ended so passes for infeasible: the solution at hand for proved best. They cannot be told not to.
+// So the calls of signal() in their libraries lead here; who wants to stop has the watcher.
+using SignalHandler = void (*)(int);
+
+SignalHandler leave_signals_alone(int signal, SignalHandler handler) {
+  static_cast<void>(signal);
+  static_cast<void>(handler);
+  return SIG_DFL;
+}
+
+#if defined(__linux__) && __ELF_NATIVE_CLASS == 64
+
+/// Lets the place of a library where the address of a function stands lead to leave_signals_alone.
+/// It may be read-only since the library was loaded.
+void redirect(ElfW(Addr) place) {
+  const auto page_size = static_cast<ElfW(Addr)>(sysconf(_SC_PAGESIZE));
+  void* const page = reinterpret_cast<void*>(place & ~(page_size - 1));
+  if (mprotect(page, page_size, PROT_READ | PROT_WRITE) != 0) return;
+  *reinterpret_cast<SignalHandler (**)(int, SignalHandler)>(place) = &leave_signals_alone;
+}
+
+/// Redirects what a loaded library calls signal(), if it is one of the solver's. Reference: the
+/// System V ABI, "Dynamic Linking".
+int redirect_signals_of(dl_phdr_info* library, std::size_t size, void* data) {
+  static_cast<void>(size);
+  static_cast<void>(data);
+  const std::string_view name = library->dlpi_name;
+  const std::string_view file = name.substr(name.rfind('/') + 1);
+  if (!file.starts_with("libClp.") && !file.starts_with("libCbc")) return 0;
+  const ElfW(Dyn)* entry = nullptr;
+  for (std::size_t i = 0; i < library->dlpi_phnum; ++i) {
+    if (library->dlpi_phdr[i].p_type == PT_DYNAMIC)
+      entry =
+          reinterpret_cast<const ElfW(Dyn)*>(library->dlpi_addr + library->dlpi_phdr[i].p_vaddr);
+  }
+  const char* names = nullptr;
+  const ElfW(Sym)* symbols = nullptr;
+  std::array<const ElfW(Rela)*, 2> tables{};
+  std::array<std::size_t, 2> bytes{};
+  for (; entry != nullptr && entry->d_tag != DT_NULL; ++entry) {
+    const ElfW(Addr) address = entry->d_un.d_ptr;
+    switch (entry->d_tag) {
+      case DT_STRTAB: names = reinterpret_cast<const char*>(address); break;
+      case DT_SYMTAB: symbols = reinterpret_cast<const ElfW(Sym)*>(address); break;
+      case DT_JMPREL: tables[0] = reinterpret_cast<const ElfW(Rela)*>(address); break;
+      case DT_PLTRELSZ: bytes[0] = entry->d_un.d_val; break;
+      case DT_RELA: tables[1] = reinterpret_cast<const ElfW(Rela)*>(address); break;
+      case DT_RELASZ: bytes[1] = entry->d_un.d_val; break;
+      default: break;
+    }
+  }
+  if (names == nullptr || symbols == nullptr) return 0;
+  for (std::size_t t = 0; t < tables.size(); ++t) {
+    const std::size_t count = tables[t] == nullptr ? 0 : bytes[t] / sizeof(ElfW(Rela));
+    for (std::size_t i = 0; i < count; ++i) {
+      const ElfW(Rela)& relocation = tables[t][i];
+      const auto symbol = ELF64_R_SYM(relocation.r_info);
+      if (symbol != 0 && std::string_view(names + symbols[symbol].st_name) == "signal")
+        redirect(library->dlpi_addr + relocation.r_offset);
+    }
+  }
+  return 0;
+}
+
+void keep_signals() {
+  static const int kDone = dl_iterate_phdr(&redirect_signals_of, nullptr);
+  static_cast<void>(kDone);
+}
+
+#else
+
+void keep_signals() {}
+
+#endif
 
 /// What the event handlers share, whichever copy of the model they are at.
 struct Watch {
@@ -72,8 +154,9 @@ class SearchEvents final : public CbcEventHandler {
         better = watch_->outside(best) < progress.best;
         progress.best = std::min(progress.best, watch_->outside(best));
       }
+      // A linear program that was ended looks infeasible, and so no bound counts from then on.
       const double bound = model_->getBestPossibleObjValue();
-      if (which == node && std::abs(bound) < 1e40)
+      if (which == node && std::abs(bound) < 1e40 && !watch_->over(true))
         progress.bound = std::max(progress.bound, watch_->outside(bound));
     }
     return watch_->over(better) ? stop : noAction;
@@ -161,6 +244,7 @@ class CbcMipSolver final : public MipSolver {
     OsiClpSolverInterface solver;
     solver.messageHandler()->setLogLevel(0);  // before anything else: CBC prints while it reads
     solver.getModelPtr()->setLogLevel(0);
+    keep_signals();
     load(model, watch, solver);
     const SimplexEvents simplex_events(watch);
     solver.getModelPtr()->passInEventHandler(&simplex_events);
@@ -173,9 +257,13 @@ class CbcMipSolver final : public MipSolver {
 
     answer.nodes = std::max<std::uint64_t>(
         static_cast<std::uint64_t>(std::max(0, search.getNodeCount())), watch.progress.nodes);
+    // CBC ends linear programs by its own limit of time as well.
+    static_cast<void>(watch.over(true));
     answer.stop = watch.stop;
+    answer.bound = watch.progress.bound;
     const double bound = search.getBestPossibleObjValue();
-    if (std::abs(bound) < 1e40) answer.bound = std::max(watch.outside(bound), watch.progress.bound);
+    if (ended(search, watch) && std::abs(bound) < 1e40)
+      answer.bound = std::max(watch.outside(bound), answer.bound);
     if (const double* const values = search.bestSolution(); values != nullptr) {
       answer.values.assign(values, values + model.num_columns());
       answer.objective = model.constant();
@@ -207,12 +295,16 @@ class CbcMipSolver final : public MipSolver {
     CbcMain1(static_cast<int>(arguments.size()), arguments.data(), search, no_callback, data);
   }
 
+  static bool ended(const CbcModel& search, const Watch& watch) {
+    return watch.stop == Stop::None && search.status() == 0;
+  }
+
   /// What CBC's two status words mean. After a stop nothing is taken for proved: a simplex that was
   /// interrupted looks infeasible.
   static void judge(const CbcModel& search, const Watch& watch, MipSolution& answer) {
     using Status = MipSolution::Status;
     const bool has_solution = !answer.values.empty();
-    const bool ended = watch.stop == Stop::None && search.status() == 0;
+    const bool ended = CbcMipSolver::ended(search, watch);
     if (ended && search.isContinuousUnbounded()) {
       answer.status = Status::Unbounded;
       answer.values.clear();
