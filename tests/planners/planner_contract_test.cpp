@@ -300,7 +300,8 @@ TEST_P(PlannerContract, RefusesOrSurvivesAChainOf500Parts) {
     }
     EXPECT_GE(named, 2U) << text;
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  // What ignores its limit takes minutes.
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
 // 0 / 0 while three connections are present, a number before and after.

@@ -154,7 +154,8 @@ class BeamSearch {
     if (first[sizeof(double)] == '+' && !result_.has_plan()) result_.status = Status::Feasible;
     constexpr std::size_t kHead = sizeof(double) + 1;
     result_.sequence.resize((first.size() - kHead) / sizeof(ConnectionIndex));
-    std::memcpy(result_.sequence.data(), first.data() + kHead, first.size() - kHead);
+    if (first.size() > kHead)
+      std::memcpy(result_.sequence.data(), first.data() + kHead, first.size() - kHead);
   }
 
   /// A state of the next layer: the state `parent` of this layer less `connection`, or the one that

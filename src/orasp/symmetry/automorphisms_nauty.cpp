@@ -76,6 +76,7 @@ class NautyFinder : public AutomorphismFinder {
                 nullptr);
     found = nullptr;
     nausparse_freedyn();
+    nautil_freedyn();
     nauty_freedyn();
     return all;
   }
