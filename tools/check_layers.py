@@ -77,7 +77,7 @@ THIRD_PARTY = {
 # OpenCASCADE: a thousand headers that end alike.
 OPENCASCADE = r"src/orasp/geometry/(cad_reader_occt\.cpp|detail/occt_shape\.(h|cpp))"
 # The operating system and the processor: anywhere but in the model and in public headers.
-PLATFORM = {"sys", "dlfcn.h", "unistd.h", "fcntl.h", "malloc.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h",
+PLATFORM = {"sys", "dlfcn.h", "unistd.h", "fcntl.h", "link.h", "malloc.h", "poll.h", "pthread.h", "sched.h", "signal.h", "spawn.h", "termios.h",
             "immintrin.h"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
