@@ -761,17 +761,17 @@ Result plan_from_the_end(const TransitionSystem& system, const Budget& budget) {
 }
 
 /// How many pieces and-or may look at before something else is tried: none where steps do not take
-/// parts off, or where a piece may have too many.
-std::uint64_t pieces_worth_a_look(const TransitionSystem& system) {
+/// parts off, or where a piece may have too many. `many`: has_many_moves(system).
+std::uint64_t pieces_worth_a_look(const TransitionSystem& system, bool many) {
   if (!takes_part_trees(system) || and_or_obstacle(system)) return 0;
-  const auto of_what_is_taken_apart = [](const TransitionSystem& from) -> std::uint64_t {
-    if (has_many_moves(from)) return 0;
+  const auto of_what_is_taken_apart = [](const TransitionSystem& from) {
     constexpr double kMostSteps = 2e8;
     const auto steps = static_cast<double>(Expander(from).legal_actions(from.start_state()).size());
     return static_cast<std::uint64_t>(std::clamp(kMostSteps / (steps + 1), 2'000.0, 200'000.0));
   };
-  return system.takes_apart() ? of_what_is_taken_apart(system)
-                              : of_what_is_taken_apart(system.backwards());
+  if (system.takes_apart()) return many ? 0 : of_what_is_taken_apart(system);
+  const TransitionSystem backwards = system.backwards();
+  return has_many_moves(backwards) ? 0 : of_what_is_taken_apart(backwards);
 }
 
 }  // namespace
@@ -795,7 +795,8 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     return part_trees(system, look);
   };
   const std::string why_pieces = "and-or, since the objective sees the piece only";
-  const std::uint64_t pieces = pieces_worth_a_look(system);
+  const bool many = has_many_moves(system);
+  const std::uint64_t pieces = pieces_worth_a_look(system, many);
   Result turned;
   if (turns_round(system)) {
     constexpr std::uint64_t kFewPieces = 2'000;
@@ -813,7 +814,6 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
     return plan;
   };
   const bool bounded = WideBound(system).known();
-  const bool many = has_many_moves(system);
   if (many) {
     Result result = better_of(by_few_moves(system, bounded, budget));
     if (result.has_plan()) {
