@@ -6,6 +6,7 @@
 What needs a module (OpenCASCADE, assimp) is skipped where the build has none, and what needs models of others where
 they do not lie beside the tree.
 """
+import io
 import json
 import os
 import shutil
@@ -14,6 +15,7 @@ import struct
 import subprocess
 import time
 import unittest
+import zipfile
 from pathlib import Path
 
 from program import PROGRAM, ROOT, Answer, Case, orasp
@@ -33,6 +35,29 @@ TRIANGLES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (
 def corners(low, size=(10, 10, 10)):
     return [(low[0] + size[0] * i, low[1] + size[1] * j, low[2] + size[2] * k)
             for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+
+
+def package_3mf(boxes, model=""):
+    """Boxes (name or None, low) as a 3MF file; `model`: attributes of its model."""
+    objects = ""
+    for number, (name, low) in enumerate(boxes, 1):
+        vertices = "".join('<vertex x="%g" y="%g" z="%g"/>' % corner for corner in corners(low))
+        triangles = "".join('<triangle v1="%d" v2="%d" v3="%d"/>' % triangle for triangle in TRIANGLES)
+        named = f' name="{name}"' if name else ""
+        objects += (f'<object id="{number}" type="model"{named}><mesh><vertices>{vertices}</vertices>'
+                    f"<triangles>{triangles}</triangles></mesh></object>")
+    items = "".join(f'<item objectid="{number}"/>' for number in range(1, len(boxes) + 1))
+    bytes_ = io.BytesIO()
+    with zipfile.ZipFile(bytes_, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("[Content_Types].xml", '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>')
+        archive.writestr("_rels/.rels",
+                         '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
+                         'Target="/3D/box.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
+                         "</Relationships>")
+        archive.writestr("3D/box.model",
+                         f'<?xml version="1.0" encoding="UTF-8"?><model {model} xmlns="http://schemas.microsoft.com/'
+                         f'3dmanufacturing/core/2015/02"><resources>{objects}</resources><build>{items}</build></model>')
+    return bytes_.getvalue()
 
 
 def stl(low, size=(10, 10, 10)):
@@ -203,6 +228,50 @@ class Import(Case):
                          [connection["parts"] for connection in first["connections"]])
         self.assertEqual(len(report["equal"][0]), 4)
         self.assertEqual(report["unit"], "m")
+
+    @has_meshes
+    def test_a_3mf_file_says_its_unit_and_the_names_of_its_objects(self):
+        boxes = [("base", (0, 0, 0)), (None, (0, 0, 10))]
+        problem, report = self.written(self.file("inches.3mf", package_3mf(boxes, 'unit="inch"')))
+        self.assertEqual([part["id"] for part in problem["parts"]], ["base", "part 2"])
+        self.assertEqual(report["unit"], "inch")
+        self.assertAlmostEqual(problem["parts"][0]["mass"], 1200 * (10 * 0.0254) ** 3, 4)
+        self.assertEqual(len(problem["connections"]), 1)
+        self.assertNotIn("do not say their unit", str(report["warnings"]))
+        for stated, millimetres in (("", 1), ('unit="micron"', 0.001), ('unit="meter"', 1000)):
+            problem, _ = self.written(self.file("other.3mf", package_3mf(boxes[:1], stated)), "--density", "1000000000")
+            self.assertAlmostEqual(problem["parts"][0]["mass"] / (1e9 * (0.01 * millimetres) ** 3), 1, 4)
+        problem, _ = self.written(self.folder / "inches.3mf", "--unit", "mm")
+        self.assertAlmostEqual(problem["parts"][0]["mass"], 0.0012, 6)
+        self.check_refused([self.file("furlongs.3mf", package_3mf(boxes, 'unit="furlong"'))],
+                           'its unit of length is "furlong"')
+
+    @has_meshes
+    def test_gltf_and_ply_files_are_read(self):
+        points = b"".join(struct.pack("<3f", *(x / 1000 for x in corner)) for corner in corners((0, 0, 0)))
+        triangles = b"".join(struct.pack("<3H", *triangle) for triangle in TRIANGLES)
+        self.file("box.bin", points + triangles)
+        document = {
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+            "nodes": [{"mesh": 0, "name": "base"}, {"mesh": 0, "name": "lid", "translation": [0, 0, 0.01]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0],
+                           "max": [0.01, 0.01, 0.01]},
+                          {"bufferView": 1, "componentType": 5123, "count": 3 * len(TRIANGLES), "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": len(points)},
+                            {"buffer": 0, "byteOffset": len(points), "byteLength": len(triangles)}],
+            "buffers": [{"uri": "box.bin", "byteLength": len(points) + len(triangles)}]}
+        problem, report = self.written(self.file("product.gltf", json.dumps(document)))
+        self.assertEqual([part["id"] for part in problem["parts"]], ["base", "lid"])
+        self.assertAlmostEqual(problem["parts"][1]["mass"], 0.0012, 6)
+        self.assertEqual((len(problem["connections"]), len(report["equal"])), (1, 1))
+        ply = ("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+               f"element face {len(TRIANGLES)}\nproperty list uchar int vertex_indices\nend_header\n")
+        ply += "".join("%g %g %g\n" % corner for corner in corners((0, 0, 0)))
+        ply += "".join("3 %d %d %d\n" % triangle for triangle in TRIANGLES)
+        problem, report = self.written(self.file("box.ply", ply))
+        self.assertAlmostEqual(problem["parts"][0]["mass"], 0.0012, 6)
+        self.assertIn("do not say their unit", str(report["warnings"]))
 
     @has_meshes
     def test_poses_place_the_parts_of_a_folder(self):

@@ -63,6 +63,7 @@ struct CadModel {
   std::vector<CadPart> parts;         ///< in the order of the file
   double millimetres_per_unit = 1.0;  ///< of the file
   std::string unit;                   ///< its name, such as "inch"
+  bool unit_assumed = false;          ///< a mesh file does not say it
   double tolerance = 0.1;             ///< mm; surfaces lie within half of it
   std::vector<std::string> warnings;  ///< sentences: what was left out or assumed
 };

@@ -1,5 +1,6 @@
-// assimp: the whole of the module orasp_assimp.so, and the only file that includes it. One function
-// is found by name: orasp_make_mesh_reader_1. It uses headers of the library, none of its code.
+// assimp: the only file that includes it, with detail/package_3mf.cpp the whole of the module
+// orasp_assimp.so. One function is found by name: orasp_make_mesh_reader_1. It uses headers of the
+// library, none of its code.
 
 #include <algorithm>
 #include <array>
@@ -27,6 +28,7 @@
 #include <assimp/scene.h>
 
 #include "orasp/geometry/contacts.h"
+#include "orasp/geometry/detail/package_3mf.h"
 #include "orasp/geometry/detail/plain_text.h"
 #include "orasp/geometry/mesh_reader.h"
 #include "orasp/model/error.h"
@@ -72,6 +74,16 @@ FormatUnit unit_of(const std::string& extension) {
   if (extension == ".gltf" || extension == ".glb") return {1000, "m", true};
   return {1, "mm", false};
 }
+
+/// The units of a 3MF file.
+constexpr std::array<std::pair<std::string_view, FormatUnit>, 6> kUnitsOf3mf = {{
+    {"micron", {0.001, "um", true}},
+    {"millimeter", {1, "mm", true}},
+    {"centimeter", {10, "cm", true}},
+    {"inch", {25.4, "inch", true}},
+    {"foot", {304.8, "foot", true}},
+    {"meter", {1000, "m", true}},
+}};
 
 /// The text of an OBJ file with names that the library cannot confuse: it takes the first word for
 /// the name, and objects of one name for one.
@@ -145,11 +157,13 @@ class MeshFile {
     const auto size = std::filesystem::file_size(file_, error);
     if (error) fail(error.message());
     if (size == 0) fail("it is empty");
-    const FormatUnit unit = unit_of(extension);
+    load();
+    FormatUnit unit = unit_of(extension);
+    if (extension == ".3mf") unit = unit_of_package();
     scale_ = settings_.millimetres_per_unit.value_or(unit.millimetres);
     model_.millimetres_per_unit = scale_;
     model_.unit = settings_.millimetres_per_unit ? "" : unit.name;
-    load();
+    model_.unit_assumed = !settings_.millimetres_per_unit && !unit.stated;
     visit(*scene_->mRootNode, aiMatrix4x4(), 0);
     finish();
     return std::move(model_);
@@ -158,6 +172,16 @@ class MeshFile {
  private:
   [[noreturn]] void fail(const std::string& reason) const {
     throw InputError(file_.string() + ": " + reason);
+  }
+
+  FormatUnit unit_of_package() {
+    package_ = detail::read_3mf(file_);
+    const auto* const known =
+        std::ranges::find(kUnitsOf3mf, package_.unit, [](const auto& row) { return row.first; });
+    if (known == kUnitsOf3mf.end())
+      fail("its unit of length is \"" + package_.unit +
+           "\"; 3MF knows micron, millimeter, centimeter, inch, foot and meter");
+    return known->second;
   }
 
   void load() {
@@ -190,9 +214,15 @@ class MeshFile {
     for (unsigned i = 0; i < node.mNumChildren; ++i) visit(*node.mChildren[i], here, depth + 1);
   }
 
-  /// The node's name; of an OBJ file what with_plain_names() replaced.
+  /// The node's name; of an OBJ file what with_plain_names() replaced, of a 3MF file that of its
+  /// object.
   std::string name_of(const aiNode& node) const {
     const std::string name = detail::trimmed(node.mName.C_Str());
+    constexpr std::string_view kObject = "Object_";
+    if (!package_.unit.empty() && name.starts_with(kObject)) {
+      const auto object = package_.names.find(name.substr(kObject.size()));
+      return object != package_.names.end() ? detail::trimmed(object->second) : "";
+    }
     constexpr std::string_view kPlain = "part_";
     if (obj_.names.empty() || !name.starts_with(kPlain)) return name;
     std::size_t number = obj_.names.size();
@@ -347,6 +377,7 @@ class MeshFile {
   bool whole_;
   const CadReadSettings& settings_;
   ObjText obj_;  // before the importer, which reads from it
+  detail::Package3mf package_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
   double scale_ = 1;

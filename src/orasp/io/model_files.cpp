@@ -309,6 +309,7 @@ class ModelBuilder {
     } else {
       model_.tolerance = std::min(model_.tolerance, read.tolerance);
     }
+    model_.unit_assumed |= read.unit_assumed;
     const std::string prefix = std::to_string(++read_) + ": ";
     for (CadPart& part : read.parts) {
       if (!part.product.empty()) part.product.insert(0, prefix);
@@ -354,9 +355,9 @@ class ModelBuilder {
     model_.tolerance = settings_.tolerance.value_or(default_tolerance(box.diagonal()));
     constexpr double kRounding = 0.01;  // of the tolerance
     if (!cad_) mark_copies(model_.parts, kRounding * model_.tolerance);
-    if (!settings_.millimetres_per_unit && model_.unit != "m") {
+    if (model_.unit_assumed) {
       model_.warnings.push_back(
-          "mesh files do not say their unit of length: millimetres are assumed; --unit gives "
+          "the mesh files do not say their unit of length: millimetres are assumed; --unit gives "
           "another");
     }
     std::error_code error;
