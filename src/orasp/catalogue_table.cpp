@@ -127,7 +127,6 @@ Reason fleet_search_needed(const Request& request) {
 
 Reason network_needed(const Request& request) {
   if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
-  if (request.system->wide()) return std::string(kPlainSteps);
   return request.options.policy ? policy_obstacle(*request.system, *request.options.policy)
                                 : network_obstacle();
 }

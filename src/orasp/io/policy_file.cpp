@@ -51,6 +51,7 @@ Json header_of(const PolicyFile& file) {
         {"numbers", training.network.size()}}}};
   if (const auto& pieces = file.trained.policy.pieces)
     header["pieces"] = {{"connections", pieces->connections}, {"hidden", pieces->hidden}};
+  if (file.trained.policy.of_states) header["values"] = "states";
   return header;
 }
 
@@ -122,9 +123,13 @@ PolicyFile from_header(const Json& header, detail::FloatReader& reader) {
     if (!policy.layers.empty()) throw InputError("it has both layers and pieces");
     policy.pieces = pieces_from(header.at("pieces"), reader);
     policy.pieces->of_rewards = !policy.adds_reward;
-  } else if (policy.layers.empty() ||
-             policy.layers.front().inputs != policy.layers.back().outputs) {
-    throw InputError("its layers do not fit together");
+  } else {
+    policy.of_states = header.contains("values");
+    if (policy.of_states && header.at("values") != "states")
+      throw InputError("its network values neither actions nor states");
+    if (policy.layers.empty() ||
+        policy.layers.back().outputs != (policy.of_states ? 1 : policy.layers.front().inputs))
+      throw InputError("its layers do not fit together");
   }
   const Json& fields = header.at("training");
   TrainingState& training = file.trained.training;

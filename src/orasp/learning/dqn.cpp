@@ -4,19 +4,18 @@
 #include <cmath>
 #include <memory>
 #include <span>
-#include <tuple>
 #include <utility>
 
+#include "orasp/learning/detail/state_trainer.h"
+#include "orasp/learning/detail/training_loop.h"
 #include "orasp/learning/environment.h"
 #include "orasp/learning/network.h"
 #include "orasp/learning/piece_network.h"
 #include "orasp/learning/replay_buffer.h"
 #include "orasp/model/error.h"
-#include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
-#include "orasp/task/task.h"
 
 namespace orasp {
 
@@ -137,117 +136,18 @@ float TargetRule::target(const ReplayBuffer& replay, std::size_t place,
 
 namespace {
 
-void check(const DqnOptions& options) {
-  const auto positive = [](double value, const char* name) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw InputError(std::string(name) + " must be more than 0");
-  };
-  const auto share = [](double value, const char* name) {
-    if (!(value >= 0 && value <= 1))
-      throw InputError(std::string(name) + " must be between 0 and 1");
-  };
-  positive(options.learning_rate, "learning rate");
-  positive(options.gradient_clip, "gradient clip");
-  positive(options.epsilon_decay, "epsilon decay");
-  positive(static_cast<double>(options.replay), "replay");
-  positive(static_cast<double>(options.updates_per_step), "updates per step");
-  share(options.discount, "discount");
-  share(options.epsilon_start, "epsilon start");
-  share(options.epsilon_end, "epsilon end");
-  share(options.target_rate, "target rate");
-  share(std::max(options.curriculum, 0.0), "curriculum");
-  for (const std::size_t units : options.hidden) {
-    if (units == 0 || units > 65'536)
-      throw InputError("a hidden layer must have between 1 and 65536 units");
-  }
-}
-
-/// Refuses at once what is sure to need more memory than there is.
-void require_network_fits(const DqnOptions& options, std::size_t connections,
-                          const Budget& budget) {
-  double parameters = 0;
-  double inputs = static_cast<double>(connections);
-  for (const std::size_t units : options.hidden) {
-    parameters += (inputs + 1) * static_cast<double>(units);
-    inputs = static_cast<double>(units);
-  }
-  parameters += (inputs + 1) * static_cast<double>(connections);
-  constexpr double kCopies =
-      7;  // network, target network, gradient, three moments, the policy kept
-  const double bytes = parameters * kCopies * sizeof(float);
-  if (bytes <= static_cast<double>(budget.max_bytes)) return;
-  throw InputError("training a network of " +
-                   std::to_string(static_cast<std::uint64_t>(parameters / 1e6)) +
-                   " million weights needs about " +
-                   std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20))) +
-                   " MiB, more than the memory limit; make its hidden layers smaller");
-}
-
-class Trainer {
+class Trainer final : public detail::TrainingLoop {
  public:
   Trainer(const TransitionSystem& system, const DqnOptions& options, const Budget& budget,
           const TrainingHooks& hooks, const TrainedPolicy* resume)
-      : system_(system),
-        options_(with_defaults(options, system, budget)),
-        budget_(budget),
-        hooks_(hooks),
-        random_(options.seed),
+      : TrainingLoop(system, with_defaults(options, system, budget), budget, hooks),
         world_(system, options_.environments + 1),
         replay_(options_.replay, system.num_connections()),
         best_episode_(system.num_connections(), system.num_connections()),
         traces_(options_.environments + 1, Trace(system.num_connections())),
         limits_(rest_limits(system)),
         rule_(options_, 1, {}, limits_) {
-    training_.record.bound = detail::bound_of_start(system);
     if (resume != nullptr) go_on(*resume);
-  }
-
-  [[nodiscard]] Training run() {
-    const Stopwatch watch;
-    watch_ = &watch;
-    const NetworkOptions shape = {.connections = system_.num_connections(),
-                                  .hidden = options_.hidden,
-                                  .learning_rate = options_.learning_rate,
-                                  .target_rate = options_.target_rate,
-                                  .gradient_clip = options_.gradient_clip,
-                                  .zero_outputs = options_.known_reward,
-                                  .seed = options_.seed,
-                                  .device = options_.device};
-    if (options_.inputs == NetworkInputs::Pieces) {
-      auto pieces = std::make_unique<PieceNetwork>(system_, shape, options_.known_reward);
-      pieces_ = pieces.get();
-      network_ = std::move(pieces);
-    } else {
-      network_ = make_network(shape);
-    }
-    training_.device = network_->device();
-    training_.warning = network_->warning();
-    TrainingState& state = training_.trained.training;
-    if (!state.network.empty()) network_->restore(state.network);
-    double saved = 0;
-    while (!finished()) {
-      if (state.baseline.empty()) {
-        warm_up();
-        if (stopped()) break;
-        continue;
-      }
-      play(false);
-      if (stopped()) break;
-      judge();
-      if (finished()) break;
-      learn();
-      tell();
-      if (hooks_.save && watch.seconds() - saved >= hooks_.save_every) {
-        pack();
-        hooks_.save(training_);
-        saved = watch.seconds();
-      }
-    }
-    if (!state.baseline.empty()) judge_at_the_end();
-    tell();
-    pack();
-    finish();
-    return std::move(training_);
   }
 
  private:
@@ -261,7 +161,7 @@ class Trainer {
 
   static DqnOptions with_defaults(DqnOptions options, const TransitionSystem& system,
                                   const Budget& budget) {
-    check(options);
+    detail::check_training(options);
     const std::size_t connections = system.num_connections();
     if (options.inputs == NetworkInputs::Auto) {
       options.inputs = connections < 128 ? NetworkInputs::Connections : NetworkInputs::Pieces;
@@ -282,7 +182,7 @@ class Trainer {
     if (options.environments == 0) options.environments = connections < 128 ? 7 : 31;
     if (options.hidden.empty()) options.hidden.assign(2, std::max<std::size_t>(128, connections));
     if (options.batch == 0) options.batch = 3 * connections;
-    require_network_fits(options, connections, budget);
+    detail::require_network_fits(options, connections, connections, budget);
     const std::uint64_t room = budget.max_bytes / 2 / ReplayBuffer::bytes_per_step(connections);
     options.replay = static_cast<std::size_t>(std::clamp<std::uint64_t>(room, 1, options.replay));
     return options;
@@ -297,7 +197,8 @@ class Trainer {
     training_.trained.training = state;
     random_ = SplitMix64(state.random);
     rule_ = TargetRule(options_, state.scale, state.baseline, limits_);
-    if (!state.best.empty()) keep(state.best, replayed(state.best));
+    if (!state.best.empty() && best_so_far(replayed(state.best)))
+      training_.trained.training.best = state.best;
     judge(earlier.policy);
   }
   /// What a sequence earns, which a file says is a plan.
@@ -314,38 +215,30 @@ class Trainer {
     return world_.total(0);
   }
 
-  [[nodiscard]] std::uint64_t bytes() const {
+  [[nodiscard]] std::unique_ptr<Network> new_network() override {
+    const NetworkOptions shape = {.connections = system_.num_connections(),
+                                  .hidden = options_.hidden,
+                                  .learning_rate = options_.learning_rate,
+                                  .target_rate = options_.target_rate,
+                                  .gradient_clip = options_.gradient_clip,
+                                  .zero_outputs = options_.known_reward,
+                                  .seed = options_.seed,
+                                  .device = options_.device};
+    if (options_.inputs != NetworkInputs::Pieces) return make_network(shape);
+    auto pieces = std::make_unique<PieceNetwork>(system_, shape, options_.known_reward);
+    pieces_ = pieces.get();
+    return pieces;
+  }
+  [[nodiscard]] bool warmed_up() const override {
+    return !training_.trained.training.baseline.empty();
+  }
+  [[nodiscard]] std::size_t remembered() const override { return replay_.size(); }
+  [[nodiscard]] std::uint64_t bytes() const override {
     return replay_.size() * ReplayBuffer::bytes_per_step(system_.num_connections());
   }
-  [[nodiscard]] bool stopped() {
-    if (stop_ == Stop::None) stop_ = budget_.expired(bytes(), world_.expanded());
-    return stop_ != Stop::None;
-  }
-  [[nodiscard]] bool proved(double reward) const {
-    return training_.record.bound && detail::meets(reward, *training_.record.bound);
-  }
-  [[nodiscard]] bool finished() {
-    return stopped() || training_.trained.training.episodes >= options_.episodes ||
-           (options_.stop_when_proved && proved(training_.trained.reward));
-  }
-  [[nodiscard]] double epsilon() const {
-    return options_.epsilon_end +
-           (options_.epsilon_start - options_.epsilon_end) *
-               std::exp(-static_cast<double>(training_.trained.training.steps) /
-                        options_.epsilon_decay);
-  }
-  /// At how many open connections an episode begins to act by the network.
-  [[nodiscard]] std::size_t begin_at() const {
-    const std::size_t n = system_.num_connections();
-    if (options_.curriculum <= 0) return n;
-    const double done = static_cast<double>(training_.trained.training.episodes) /
-                        (options_.curriculum * static_cast<double>(options_.episodes));
-    return done >= 1 ? n : 1 + static_cast<std::size_t>(done * static_cast<double>(n));
-  }
+  [[nodiscard]] std::uint64_t expanded() const override { return world_.expanded(); }
 
-  /// One round of episodes, from start to end, all remembered. The first acts greedily unless all
-  /// are random.
-  void play(bool all_random) {
+  void play(bool all_random) override {
     const double share = all_random ? 1 : epsilon();
     const std::size_t from = begin_at();
     for (std::size_t i = 0; i < world_.size(); ++i) {
@@ -429,19 +322,12 @@ class Trainer {
     replay_.add(trace.steps, !done);
     if (!done) return;
     if (i == 0 && !all_random) greedy_ = world_.total(i);
-    if (keep(trace.sequence, world_.total(i))) best_episode_.add(trace.steps, false);
+    if (!best_so_far(world_.total(i))) return;
+    training_.trained.training.best = trace.sequence;
+    best_episode_.add(trace.steps, false);
   }
 
-  /// @returns whether it is the best so far.
-  bool keep(const std::vector<ConnectionIndex>& sequence, double reward) {
-    if (!(reward > training_.record.best)) return false;
-    training_.record.best = reward;
-    training_.trained.training.best = sequence;
-    return true;
-  }
-
-  /// Random episodes: what the scale of the rewards is, and the first memories.
-  void warm_up() {
+  void warm_up() override {
     constexpr std::size_t kEpisodes = 64;
     const std::size_t n = system_.num_connections();
     while (training_.trained.training.episodes < kEpisodes) {
@@ -480,48 +366,25 @@ class Trainer {
     if (!finished()) pieces_->fit(replay_, training_.trained.training.scale);
   }
 
-  [[nodiscard]] Policy policy() const {
+  [[nodiscard]] Policy policy() const override {
     return {.layers = network_->layers(),
             .pieces = pieces_ != nullptr ? std::optional(pieces_->policy()) : std::nullopt,
             .scale = training_.trained.training.scale,
             .adds_reward = options_.known_reward};
   }
 
-  /// The greedy episode of the round: the network is kept if it is the best so far.
-  void judge() {
-    training_.record.greedy = greedy_;
-    if (greedy_ == -kInfinity || greedy_ > training_.trained.reward) judge(policy());
+  [[nodiscard]] Result plan_of(const Policy& policy, const Budget& budget) const override {
+    return follow_policy(system_, policy, system_.start(), ConnectionSet(system_.num_connections()),
+                         budget);
   }
-  /// What the network earns when training is over, though its time may be: a single plan.
-  void judge_at_the_end() {
-    training_.record.greedy = -kInfinity;
-    Budget budget;
-    budget.max_bytes = budget_.max_bytes;
-    budget.max_expansions = system_.num_connections() + 100;
-    judge(policy(), budget);
-  }
-  /// As the policy acts without libtorch, whose last digits differ.
-  void judge(Policy now) {
-    Budget budget = budget_;
-    budget.max_expansions = 20 * system_.num_connections() + 100;
-    budget.progress = nullptr;
-    judge(std::move(now), budget);
-  }
-  void judge(Policy now, const Budget& budget) {
-    const Result result = follow_policy(system_, now, system_.start(),
-                                        ConnectionSet(system_.num_connections()), budget);
-    TrainedPolicy& kept = training_.trained;
-    if (result.has_plan()) {
-      training_.record.greedy = result.reward;
-      keep(result.sequence, result.reward);
-    }
-    if (kept.policy.empty() || (result.has_plan() && result.reward > kept.reward)) {
-      kept.policy = std::move(now);
-      if (result.has_plan()) kept.reward = training_.record.best_greedy = result.reward;
-    }
+  void keep_plan(const Result& plan) override { training_.trained.training.best = plan.sequence; }
+  void write_best(Result& result) const override {
+    if (training_.trained.training.best.empty()) return;
+    result.status = Status::Feasible;
+    result.sequence = training_.trained.training.best;
   }
 
-  void learn() {
+  void learn() override {
     const std::size_t n = system_.num_connections();
     const std::size_t batch = options_.batch;
     double loss = 0;
@@ -579,68 +442,14 @@ class Trainer {
     network_->target_values(states_, target_numbers_);
   }
 
-  void tell() {
-    TrainingRecord& record = training_.record;
-    record.episodes = training_.trained.training.episodes;
-    record.updates = training_.trained.training.updates;
-    record.epsilon = epsilon();
-    record.seconds = training_.trained.training.seconds + watch_->seconds();
-    const std::tuple now(record.episodes, record.updates, record.greedy);
-    if (told_ && *told_ == now) return;
-    told_ = now;
-    if (hooks_.log) hooks_.log(record);
-    budget_.report({.phase = "episodes",
-                    .done = record.episodes,
-                    .total = options_.episodes,
-                    .states = replay_.size(),
-                    .best = record.best});
-  }
-
-  /// Brings the training state up to date.
-  void pack() {
-    TrainingState& state = training_.trained.training;
-    state.hidden = options_.hidden;
-    state.known_reward = options_.known_reward;
-    state.random = random_.state();
-    if (!state.baseline.empty()) state.network = network_->state();
-  }
-
-  void finish() {
-    training_.trained.training.seconds += watch_->seconds();
-    Result& result = training_.result;
-    result.statistics.states = replay_.size();
-    result.statistics.expanded = world_.expanded();
-    result.statistics.sweeps = training_.trained.training.episodes;
-    result.statistics.peak_bytes = bytes();
-    result.stop = stop_;
-    if (training_.trained.training.best.empty()) return;
-    result.sequence = training_.trained.training.best;
-    result.reward = training_.record.best;
-    detail::judge_by(training_.record.bound, result);
-  }
-
-  const TransitionSystem& system_;
-  const DqnOptions options_;
-  const Budget& budget_;
-  const TrainingHooks& hooks_;
-  SplitMix64 random_;
   Environment world_;
   ReplayBuffer replay_;
   ReplayBuffer best_episode_;
   std::vector<Trace> traces_;
   const RestLimits limits_;
   TargetRule rule_;
-  std::unique_ptr<Network> network_;
-  /// The same where it values pieces, else null.
+  /// The network where it values pieces, else null.
   PieceNetwork* pieces_ = nullptr;
-  Training training_;
-  const Stopwatch* watch_ = nullptr;
-  Stop stop_ = Stop::None;
-  /// The episodes, the updates and what the network earned of the last record.
-  std::optional<std::tuple<std::uint64_t, std::uint64_t, double>> told_;
-  /// What the first episode of the round earned, which acts greedily.
-  double greedy_ = -kInfinity;
-  std::uint64_t steps_of_round_ = 0;
   // Scratch.
   std::vector<std::size_t> asking_;
   std::vector<std::size_t> chosen_;
@@ -667,7 +476,7 @@ Result first_plan(const TransitionSystem& system, const Budget& budget) {
 Training train(const TransitionSystem& system, const DqnOptions& options, const Budget& budget,
                const TrainingHooks& hooks, const TrainedPolicy* resume) {
   const Stopwatch watch;
-  check(options);
+  detail::check_training(options);
   Training training;
   Result first;
   if (auto settled = detail::infeasible_at_once(system, "dqn")) {
@@ -676,17 +485,19 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
     first = first_plan(system, budget);
   }
   first.method = "dqn";
-  if (first.status == Status::Infeasible || system.num_connections() == 0) {
+  if (first.status == Status::Infeasible || system.ends(system.start_state())) {
     training.result = std::move(first);
   } else if (const Stop stop = budget.expired(); stop != Stop::None) {  // before 0.6 s of libtorch
     training.result = std::move(first);
     training.result.stop = stop;
   } else {
-    training = Trainer(system, options, budget, hooks, resume).run();
+    training = system.wide() ? detail::train_on_states(system, options, budget, hooks, resume)
+                             : Trainer(system, options, budget, hooks, resume).run();
     training.result.method = "dqn";
     if (!training.result.has_plan() && first.has_plan()) {
       training.result.status = first.status;
       training.result.sequence = first.sequence;
+      training.result.steps = first.steps;
       training.result.reward = first.reward;
       training.result.notes.emplace_back("no episode found a plan; this one is greedy's");
     }
@@ -698,7 +509,6 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
 
 Result dqn(const TransitionSystem& system, const DqnOptions& options, const Budget& budget) {
   if (auto result = detail::infeasible_at_once(system, "dqn")) return *result;
-  if (system.wide()) throw Refusal("dqn", std::string(kPlainSteps));
   Training training = train(system, options, budget);
   if (!training.warning.empty()) training.result.notes.push_back(training.warning);
   return std::move(training.result);

@@ -171,7 +171,8 @@ class TargetRule {
 ///             number of an action is a sum over the pieces that it leaves; the linear part begins
 ///             at the least squares of the random episodes, an average of the networks of many
 ///             gradient steps acts and is the policy, and a target's own rewards end where its
-///             episode took a random step.
+///             episode took a random step. Where TransitionSystem::wide() the network values
+///             states (detail/state_trainer.h).
 /// Reference.  The paper, "Reinforcement learning methods"; Mnih et al. (2015), Nature 518,
 ///             529-533; double Q: van Hasselt, Guez and Silver (2016), AAAI, 2094-2100; several
 ///             steps: Sutton (1988), Machine Learning 3, 9-44; returns as lower bounds: He, Liu,

@@ -39,7 +39,7 @@ struct Layers {
       inputs = outputs;
     };
     for (const std::size_t units : options.hidden) add(units);
-    add(options.connections);
+    add(options.outputs != 0 ? options.outputs : options.connections);
     if (options.zero_outputs) {
       const torch::NoGradGuard no_gradient;
       linear.back()->weight.zero_();
@@ -194,7 +194,7 @@ class TorchNetwork final : public Network {
   void run(const Layers& network, std::span<const float> states, std::span<float> values) const {
     const torch::InferenceMode inference;
     const auto batch = static_cast<std::int64_t>(states.size() / options_.connections);
-    torch::from_blob(values.data(), {batch, width()})
+    torch::from_blob(values.data(), {batch, static_cast<std::int64_t>(values.size()) / batch})
         .copy_(network.forward(on_device(states, {batch, width()})));
   }
   static void append(const Tensor& tensor, std::vector<float>& numbers) {

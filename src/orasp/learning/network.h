@@ -13,8 +13,9 @@ namespace orasp {
 
 /// Shape and training of a value network.
 struct NetworkOptions {
-  /// The number of inputs, and of outputs.
+  /// The number of inputs, and of outputs where that is 0.
   std::size_t connections = 0;
+  std::size_t outputs = 0;
   /// The number of units of each hidden layer.
   std::vector<std::size_t> hidden;
   double learning_rate = 1e-3;
@@ -31,7 +32,7 @@ struct NetworkOptions {
 };
 
 /// A network that is trained, and its slow copy, the target network. Rows of `states` are indicator
-/// vectors of open connections; all matrices are row-major.
+/// vectors of open connections, or of columns of states; all matrices are row-major.
 ///
 /// Reference. The paper's network: fully connected, ReLU; smooth L1 loss; AdamW with amsgrad
 /// (Loshchilov and Hutter 2019, ICLR; Reddi et al. 2018, ICLR), weight decay 0.01; target network
@@ -47,7 +48,7 @@ class Network {
   Network& operator=(const Network&) = delete;
   virtual ~Network() = default;
 
-  /// Shapes: states [batch, connections], values [batch, connections].
+  /// Shapes: states [batch, connections], values [batch, outputs].
   virtual void values(std::span<const float> states, std::span<float> values) = 0;
   virtual void target_values(std::span<const float> states, std::span<float> values) = 0;
   /// One gradient step towards values(states[i])[actions[i]] = targets[i], and one of the target

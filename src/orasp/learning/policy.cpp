@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <string>
 
+#include "orasp/learning/detail/observed_columns.h"
 #include "orasp/learning/piece_network.h"
 #include "orasp/model/error.h"
 #include "orasp/planners/depth_first_plan.h"
+#include "orasp/planners/detail/wide_search.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/task/task.h"
 
@@ -21,6 +23,27 @@ __attribute__((target_clones("avx2", "default")))
 void add_scaled(const float* row, float factor, float* out, std::size_t size) {
   for (std::size_t o = 0; o < size; ++o) {
     out[o] += factor * row[o];
+  }
+}
+
+/// Leaves in `in` what the layers say of inputs that are 1 where `ones` says so, else 0; `out` is
+/// scratch.
+void run_layers(const std::vector<DenseLayer>& layers, SetView ones, std::vector<float>& in,
+                std::vector<float>& out) {
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    const DenseLayer& layer = layers[l];
+    out = layer.bias;
+    if (l == 0) {
+      for_each_connection(ones, [&](ConnectionIndex i) {
+        add_scaled(layer.weights.data() + i * layer.outputs, 1.0F, out.data(), layer.outputs);
+      });
+    } else {
+      for (std::size_t i = 0; i < layer.inputs; ++i) {
+        if (in[i] > 0)
+          add_scaled(layer.weights.data() + i * layer.outputs, in[i], out.data(), layer.outputs);
+      }
+    }
+    std::swap(in, out);
   }
 }
 
@@ -40,8 +63,8 @@ struct PolicyEvaluator::Pieces {
 };
 
 PolicyEvaluator::PolicyEvaluator(const Policy& policy) : policy_(policy) {
-  if (policy.pieces)
-    throw InputError("a policy that values pieces is asked together with its problem");
+  if (policy.pieces || policy.of_states)
+    throw InputError("a policy that values pieces or states is asked together with its problem");
 }
 
 PolicyEvaluator::PolicyEvaluator(const Policy& policy, const TransitionSystem& system)
@@ -50,21 +73,7 @@ PolicyEvaluator::PolicyEvaluator(const Policy& policy, const TransitionSystem& s
 PolicyEvaluator::~PolicyEvaluator() = default;
 
 std::span<const float> PolicyEvaluator::outputs(SetView open) {
-  for (std::size_t l = 0; l < policy_.layers.size(); ++l) {
-    const DenseLayer& layer = policy_.layers[l];
-    out_ = layer.bias;
-    if (l == 0) {
-      for_each_connection(open, [&](ConnectionIndex c) {
-        add_scaled(layer.weights.data() + c * layer.outputs, 1.0F, out_.data(), layer.outputs);
-      });
-    } else {
-      for (std::size_t i = 0; i < layer.inputs; ++i) {
-        if (in_[i] > 0)
-          add_scaled(layer.weights.data() + i * layer.outputs, in_[i], out_.data(), layer.outputs);
-      }
-    }
-    std::swap(in_, out_);
-  }
+  run_layers(policy_.layers, open, in_, out_);
   return in_;
 }
 
@@ -97,15 +106,45 @@ std::size_t PolicyEvaluator::choose(SetView open, std::span<const Action> action
 }
 
 std::optional<std::string> policy_obstacle(const TransitionSystem& system, const Policy& policy) {
-  if (system.wide()) return std::string(kPlainSteps);
+  if (policy.of_states != system.wide()) {
+    return policy.of_states ? "was given a policy for problems with a goal, part steps or costs "
+                              "between steps, and this one has none of these"
+                            : "was given a policy for problems without a goal, part steps or costs "
+                              "between steps, and this one has one of these";
+  }
+  if (policy.of_states) {
+    const std::size_t columns = detail::ObservedColumns(system).size();
+    if (policy.num_inputs() == columns) return std::nullopt;
+    return "was given a policy that looks at " + std::to_string(policy.num_inputs()) +
+           " columns of a state, and those of the problem have " + std::to_string(columns);
+  }
   if (policy.num_connections() == system.num_connections()) return std::nullopt;
   return "was given a policy for " + std::to_string(policy.num_connections()) +
          " connections, and the problem has " + std::to_string(system.num_connections());
 }
 
+Result detail::follow_states(const TransitionSystem& system, const Policy& policy,
+                             const Budget& budget) {
+  if (const auto reason = policy_obstacle(system, policy)) throw Refusal("dqn", *reason);
+  const ObservedColumns columns(system);
+  std::vector<std::uint64_t> bits;
+  std::vector<float> in;
+  std::vector<float> out;
+  return wide_plan_by(
+      system, "dqn",
+      [&](SetView state) {
+        if (system.ends(state)) return 0.0;
+        columns.collect(state, bits);
+        run_layers(policy.layers, bits, in, out);
+        return policy.scale * static_cast<double>(in.front());
+      },
+      budget);
+}
+
 Result follow_policy(const TransitionSystem& system, const Policy& policy,
                      const ConnectionSet& from, const ConnectionSet& forbidden,
                      const Budget& budget) {
+  if (system.wide()) throw Refusal("dqn", std::string(kPlainSteps));
   if (const auto reason = policy_obstacle(system, policy)) throw Refusal("dqn", *reason);
   PolicyEvaluator evaluator(policy, system);
   std::vector<double> values;
@@ -131,8 +170,9 @@ Result follow_policy(const TransitionSystem& system, const Policy& policy,
 
 Result follow_policy(const TransitionSystem& system, const Policy& policy, const Budget& budget) {
   if (auto result = detail::infeasible_at_once(system, "dqn")) return *result;
-  Result result = follow_policy(system, policy, system.start(),
-                                ConnectionSet(system.num_connections()), budget);
+  Result result = system.wide() ? detail::follow_states(system, policy, budget)
+                                : follow_policy(system, policy, system.start(),
+                                                ConnectionSet(system.num_connections()), budget);
   if (result.status == Status::Feasible) detail::judge_by(detail::bound_of_start(system), result);
   return result;
 }

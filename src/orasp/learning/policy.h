@@ -67,6 +67,10 @@ struct PiecePolicy {
 ///     scale * out[c] + (adds_reward ? r(s, c) : 0)
 ///
 /// up to a number that all actions of a state share.
+///
+/// Where there is more to states and steps (TransitionSystem::wide()), the network values states:
+/// in are the columns of detail::ObservedColumns, out is one number, and an action is worth what it
+/// earns and scale * out of the state that it leads to, 0 where that ends the plan.
 struct Policy {
   /// None where the policy values pieces.
   std::vector<DenseLayer> layers;
@@ -76,11 +80,16 @@ struct Policy {
   /// Whether the network was trained on what comes after a step, so that the reward of the step
   /// itself is added.
   bool adds_reward = false;
+  /// Whether its layers value states, not actions.
+  bool of_states = false;
 
   /// Whether it says nothing: training was stopped before the first network.
   [[nodiscard]] bool empty() const { return layers.empty() && !pieces; }
+  /// The connections of the problem that it is for; where it values states, their columns.
   [[nodiscard]] std::size_t num_connections() const {
-    if (pieces) return pieces->connections;
+    return pieces ? pieces->connections : num_inputs();
+  }
+  [[nodiscard]] std::size_t num_inputs() const {
     return layers.empty() ? 0 : layers.front().inputs;
   }
   friend bool operator==(const Policy&, const Policy&) = default;
@@ -118,12 +127,12 @@ struct TrainedPolicy {
   TrainingState training;
 };
 
-/// Asks a policy. Holds scratch memory: one for each thread. The same numbers on every machine:
-/// each output is summed in one order, without fused operations.
+/// Asks a policy that values actions. Holds scratch memory: one for each thread. The same numbers
+/// on every machine: each output is summed in one order, without fused operations.
 class PolicyEvaluator {
  public:
   /// Of a policy that looks at open connections. The policy must outlive it.
-  /// @throws InputError where the policy values pieces.
+  /// @throws InputError where the policy values pieces or states.
   explicit PolicyEvaluator(const Policy& policy);
   /// Of any policy, for a problem that it fits (policy_obstacle()). Both must outlive it.
   PolicyEvaluator(const Policy& policy, const TransitionSystem& system);
@@ -152,8 +161,8 @@ class PolicyEvaluator {
   std::vector<double> values_;
 };
 
-/// Why dqn does not plan with this policy: it is for another number of connections. A clause that
-/// goes on from the method's name; empty where it fits.
+/// Why dqn does not plan with this policy: it is for another number of connections, or for states
+/// of another kind. A clause that goes on from the method's name; empty where it fits.
 [[nodiscard]] std::optional<std::string> policy_obstacle(const TransitionSystem& system,
                                                          const Policy& policy);
 
@@ -165,11 +174,17 @@ class PolicyEvaluator {
 ///             an upper bound (BoundKind::Best).
 /// Cost.       One pass of the network for each state met; without dead ends one for each
 ///             connection.
-/// @throws Refusal if the policy is for another number of connections: policy_obstacle().
+/// @throws Refusal: policy_obstacle(). With `from`, where TransitionSystem::wide() as well.
 [[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
                                    const Budget& budget);
 [[nodiscard]] Result follow_policy(const TransitionSystem& system, const Policy& policy,
                                    const ConnectionSet& from, const ConnectionSet& forbidden,
                                    const Budget& budget);
+
+namespace detail {
+/// follow_policy() where TransitionSystem::wide(), without a judgement by bounds.
+[[nodiscard]] Result follow_states(const TransitionSystem& system, const Policy& policy,
+                                   const Budget& budget);
+}  // namespace detail
 
 }  // namespace orasp

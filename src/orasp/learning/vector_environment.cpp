@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "orasp/learning/detail/observed_columns.h"
 #include "orasp/learning/detail/transition_cache.h"
 #include "orasp/model/detail/rules.h"
 #include "orasp/model/detail/wording.h"
@@ -66,8 +67,9 @@ VectorEnvironment::VectorEnvironment(const TransitionSystem& system, std::size_t
     : system_(system),
       options_(options),
       cache_(std::make_unique<detail::TransitionCache>(system)),
+      observed_(std::make_unique<const detail::ObservedColumns>(system)),
       num_actions_(cache_->columns().size()),
-      observation_size_(system.num_connections()),
+      observation_size_(observed_->size()),
       max_steps_(system.num_steps() + (system.rules().may_stop ? 1 : 0)),
       start_(system.start_state().begin(), system.start_state().end()),
       states_(episodes),
@@ -78,19 +80,6 @@ VectorEnvironment::VectorEnvironment(const TransitionSystem& system, std::size_t
       history_(episodes * max_steps_),
       places_(episodes),
       next_(episodes) {
-  const detail::ContextLayout& layout = system.rules().context;
-  for (std::size_t i = 0; i < layout.radix.size(); ++i) {
-    const detail::AttributeValues& attribute = system.rules().totals.attributes[i];
-    context_.push_back({attribute.name, attribute.values, layout.stride[i]});
-  }
-  if (layout.place_stride != 0) {
-    ContextColumns& places = context_.emplace_back();
-    places.name = "place";
-    places.stride = layout.place_stride;
-    for (std::size_t i = 1; i <= layout.places.size(); ++i)
-      places.values.push_back(std::to_string(i));
-  }
-  for (const ContextColumns& columns : context_) observation_size_ += columns.values.size();
   best_actions_.reserve(max_steps_);
   if (const auto reason = system.infeasibility())
     throw InputError("no episode can begin: " + reason->message);
@@ -251,15 +240,9 @@ void VectorEnvironment::write_observation(std::uint32_t state, std::size_t episo
     const std::span<Number> row = all.subspan(episode * observation_size_, observation_size_);
     const std::size_t connections = system_.num_connections();
     write_bits(key, row.first(connections));
-    if (context_.empty()) return;
+    if (row.size() == connections) return;
     std::fill(row.begin() + static_cast<std::ptrdiff_t>(connections), row.end(), Number{0});
-    std::size_t column = connections;
-    for (const ContextColumns& columns : context_) {
-      const std::size_t values = columns.values.size();
-      const std::uint64_t value = key[system_.open_words()] / columns.stride % (values + 1);
-      if (value != 0) row[column + value - 1] = 1;
-      column += values;
-    }
+    observed_->for_each_of_context(key, [&](std::size_t column) { row[column] = 1; });
   };
   write(floats);
   write(bytes);
@@ -350,14 +333,7 @@ std::int64_t VectorEnvironment::action_of(const PlanStep& step) const {
 }
 
 std::string VectorEnvironment::column_name(std::size_t column) const {
-  if (column < system_.num_connections())
-    return "open " + system_.problem().connection_id(static_cast<ConnectionIndex>(column));
-  column -= system_.num_connections();
-  for (const ContextColumns& columns : context_) {
-    if (column < columns.values.size()) return columns.name + " " + columns.values[column];
-    column -= columns.values.size();
-  }
-  throw InputError("an observation has " + std::to_string(observation_size_) + " columns");
+  return observed_->name(column);
 }
 
 std::string VectorEnvironment::obstacle(std::size_t episode, std::int64_t action) const {

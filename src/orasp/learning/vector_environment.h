@@ -14,6 +14,7 @@
 namespace orasp {
 
 namespace detail {
+class ObservedColumns;
 class TransitionCache;
 }  // namespace detail
 
@@ -190,19 +191,13 @@ class VectorEnvironment {
   void note_best(std::size_t episode);
   [[nodiscard]] std::vector<PlanStep> plan_of(std::span<const std::uint32_t> actions) const;
 
-  struct ContextColumns {
-    std::string name;
-    std::vector<std::string> values;
-    std::uint64_t stride;
-  };
-
   const TransitionSystem& system_;
   VectorEnvironmentOptions options_;
   std::unique_ptr<detail::TransitionCache> cache_;
+  std::unique_ptr<const detail::ObservedColumns> observed_;
   std::size_t num_actions_;
   std::size_t observation_size_;
   std::size_t max_steps_;
-  std::vector<ContextColumns> context_;
   /// The state in which episodes begin, its number and that of its expansion.
   std::vector<std::uint64_t> start_;
   std::vector<std::uint32_t> start_actions_;

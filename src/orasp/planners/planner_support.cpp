@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "orasp/bounds/wide_bound.h"
 #include "orasp/model/detail/rules.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/detail/peeled_plan.h"
@@ -170,6 +171,11 @@ Statistics statistics_of(const StateGraph& graph) {
 }
 
 std::optional<double> bound_of_start(const TransitionSystem& system) {
+  if (system.wide()) {
+    WideBound bound(system);
+    const double most = bound.known() ? bound(system.start_state()) : kInfinity;
+    return std::isfinite(most) ? std::optional(most) : std::nullopt;
+  }
   if (!system.takes_apart() && !system.ordered()) return bound_of_start(system.backwards());
   const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
   if (!bound->known()) return std::nullopt;

@@ -44,12 +44,12 @@ PlanStep ActionColumns::step(std::uint32_t column) const {
   return step;
 }
 
-TransitionCache::TransitionCache(const TransitionSystem& system)
+TransitionCache::TransitionCache(const TransitionSystem& system, Steps steps)
     : system_(system),
       expander_(system),
-      columns_(system),
+      columns_(steps == Steps::Columns ? std::optional(ActionColumns(system)) : std::nullopt),
       words_(system.words()),
-      mask_words_(words_for(columns_.size())),
+      mask_words_(columns_ ? words_for(columns_->size()) : 0),
       table_(words_) {
   first_.push_back(0);
 }
@@ -103,19 +103,22 @@ void TransitionCache::remember(std::uint32_t from, std::span<const Action> legal
     scratch_.resize(words_);
     for (const Action& action : legal) {
       expander_.successor(batch_, action, scratch_);
-      transitions_.push_back(
-          {action.reward, columns_.column(expander_.plan_step(action)), number(scratch_)});
+      const std::uint32_t column =
+          columns_ ? columns_->column(expander_.plan_step(action)) : action.number;
+      transitions_.push_back({action.reward, column, number(scratch_)});
     }
     std::ranges::sort(transitions_.span().subspan(begin), {}, &Transition::column);
   } else {
     for (const Action& action : legal)
       transitions_.push_back({action.reward, action.connection.value(), kUnknown});
   }
-  const std::size_t mask = masks_.size();
-  masks_.resize(mask + mask_words_);
-  std::ranges::fill(masks_.span().subspan(mask), std::uint64_t{0});
-  for (const Transition& transition : transitions_.span().subspan(begin))
-    masks_[mask + transition.column / 64] |= std::uint64_t{1} << (transition.column % 64);
+  if (columns_) {
+    const std::size_t mask = masks_.size();
+    masks_.resize(mask + mask_words_);
+    std::ranges::fill(masks_.span().subspan(mask), std::uint64_t{0});
+    for (const Transition& transition : transitions_.span().subspan(begin))
+      masks_[mask + transition.column / 64] |= std::uint64_t{1} << (transition.column % 64);
+  }
   first_.push_back(transitions_.size());
   expansion_[from] = static_cast<std::uint32_t>(first_.size() - 2);
   ++expanded_;

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,10 +49,16 @@ class TransitionCache {
     std::uint32_t next;  ///< the state that it leads to; kUnknown until it is asked for
   };
 
-  /// The system must outlive it.
-  explicit TransitionCache(const TransitionSystem& system);
+  enum class Steps {
+    Columns,  ///< steps are told apart by ActionColumns
+    Places,   ///< the column of a step is its place among those of its state; there are no masks
+  };
+  /// The system must outlive it; with Steps::Places it must be wide().
+  /// @throws InputError as ActionColumns.
+  explicit TransitionCache(const TransitionSystem& system, Steps steps = Steps::Columns);
 
-  [[nodiscard]] const ActionColumns& columns() const { return columns_; }
+  /// Not with Steps::Places.
+  [[nodiscard]] const ActionColumns& columns() const { return *columns_; }
   /// The number of a state, which is added if it is new.
   std::uint32_t number(SetView state);
   [[nodiscard]] SetView state(std::uint32_t number) const { return {table_.key(number), words_}; }
@@ -105,7 +112,7 @@ class TransitionCache {
 
   const TransitionSystem& system_;
   Expander expander_;
-  ActionColumns columns_;
+  std::optional<ActionColumns> columns_;  ///< none with Steps::Places
   std::size_t words_;
   std::size_t mask_words_;
   StateTable<0> table_;

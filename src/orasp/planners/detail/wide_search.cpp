@@ -575,14 +575,18 @@ Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Bud
 Result wide_guided_greedy(const TransitionSystem& system, const Budget& budget) {
   WideBound bound(system);
   if (!bound.known()) return wide_greedy(system, budget);
-  return some_plan(
-      system, budget, "greedy", [&](SetView state) { return bound(state); },
-      [](std::span<Untried> actions) {
-        std::ranges::reverse(actions);
-        std::ranges::stable_sort(actions, [](const Untried& a, const Untried& b) {
-          return a.reward + a.rest < b.reward + b.rest - kRewardTolerance;
-        });
-      });
+  return wide_plan_by(
+      system, "greedy", [&](SetView state) { return bound(state); }, budget);
+}
+
+Result wide_plan_by(const TransitionSystem& system, std::string_view method,
+                    const std::function<double(SetView)>& rest, const Budget& budget) {
+  return some_plan(system, budget, method, rest, [](std::span<Untried> actions) {
+    std::ranges::reverse(actions);
+    std::ranges::stable_sort(actions, [](const Untried& a, const Untried& b) {
+      return a.reward + a.rest < b.reward + b.rest - kRewardTolerance;
+    });
+  });
 }
 
 // -------------------------------------------------------------------------------------------------

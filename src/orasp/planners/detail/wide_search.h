@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,6 +42,11 @@ namespace orasp::detail {
 [[nodiscard]] Result wide_random(const TransitionSystem& system, std::uint64_t seed,
                                  const Budget& budget);
 [[nodiscard]] Result wide_guided_greedy(const TransitionSystem& system, const Budget& budget);
+
+/// The same, where `rest(state)` says what is expected of the state that a step leads to. `method`:
+/// that of the result.
+[[nodiscard]] Result wide_plan_by(const TransitionSystem& system, std::string_view method,
+                                  const std::function<double(SetView)>& rest, const Budget& budget);
 
 /// A plan where steps take parts off or put them on and there may be exponentially many in a state:
 /// by steps of one part or onto one piece where that goes, then of some more, each the one that
