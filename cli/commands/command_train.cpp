@@ -119,6 +119,11 @@ Json as_json(const Problem& problem, const Training& training, const TrainOption
   const Result& result = training.result;
   Json sequence = Json::array();
   for (const ConnectionIndex c : result.sequence) sequence.push_back(problem.connection_id(c));
+  Json steps = Json::array();  // where a step takes more than one connection
+  for (const PlanStep& step : result.steps) {
+    Json& taken = steps.emplace_back(Json::array());
+    for (const ConnectionIndex c : step.connections) taken.push_back(problem.connection_id(c));
+  }
   Json document = {{"problem", problem.name()},
                    {"problem_digest", problem_digest(problem)},
                    {"seed", options.learning.dqn.seed},
@@ -133,6 +138,7 @@ Json as_json(const Problem& problem, const Training& training, const TrainOption
                    {"sequence", std::move(sequence)},
                    {"notes", result.notes},
                    {"seconds", result.statistics.seconds}};
+  if (!steps.empty()) document["steps"] = std::move(steps);
   if (result.stop != Stop::None) document["stopped"] = stop_name(result.stop);
   return document;
 }
@@ -300,8 +306,8 @@ CommandWork train_command(CommandLine& line) {
   const auto chosen = std::make_shared<TrainOptions>();
   TrainOptions& options = *chosen;
   line.about(
-      "Learns a policy by deep Q-learning: a network that says in every state which\n"
-      "connection to handle next. `orasp solve --method dqn --policy` plans with it.\n"
+      "Learns a policy by deep Q-learning: a network that says in every state what to do\n"
+      "next. `orasp solve --method dqn --policy` plans with it.\n"
       "With --problems: one graph network for many products, which answers for products that\n"
       "it has not seen too. Needs no libtorch.");
   line.positionals("PROBLEM", options.problems, kProblemHelp);

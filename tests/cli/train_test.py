@@ -9,7 +9,7 @@ import subprocess
 import unittest
 from pathlib import Path
 
-from program import CHAIN, PROGRAM, Case, orasp, smoke
+from program import CHAIN, PROGRAM, ROOT, Case, orasp, smoke
 
 
 class Train(Case):
@@ -56,6 +56,23 @@ class Train(Case):
         for record in records:
             self.assertLessEqual(record["best"], record["bound"] + 1e-9)
         self.assertEqual(records[-1]["episodes"], outcome["episodes"])
+
+    def test_goals_part_steps_and_costs_between_steps_are_learned(self):
+        self.needs_libtorch()
+        policy = self.folder / "policy.pt"
+        for name, best in (("01_two_drivers", -2), ("07_worth_it", 4), ("12_heavy", -70)):
+            with self.subTest(name):
+                problem = ROOT / f"examples/modelling/{name}.json"
+                answer = orasp("train", problem, "-o", policy, "--episodes", "200", "--json", "--quiet")
+                self.assertIn(answer.code, (0, 20), answer.error)
+                trained = json.loads(answer.out)
+                self.assertAlmostEqual(trained["reward"], best)
+                plan = orasp("solve", problem, "--method", "dqn", "--policy", policy, "--json", "--quiet")
+                self.assertEqual(json.loads(plan.out)["reward"], trained["policy_reward"])
+                self.assertEqual(orasp("evaluate", problem, "-", stdin=plan.out).code, 0)
+        answer = orasp("train", problem, "--resume", policy, "--episodes", "300", "--json", "--quiet")
+        self.assertGreaterEqual(json.loads(answer.out)["policy_reward"], trained["policy_reward"])
+        self.check(orasp("train", problem, "--no-known-reward"), 30, error="known rewards cannot be left out here")
 
     def test_a_policy_beside_random_sequences(self):
         self.needs_libtorch()
