@@ -24,9 +24,9 @@ Environment::Environment(const TransitionSystem& system, std::size_t episodes)
       forbidden_(system.num_connections()) {
   if (system.wide())
     throw InputError(
-        "the environment knows steps that take one connection each until none is left, and earn "
-        "what they earn whatever came before; here a goal, part steps or costs between steps say "
-        "otherwise");
+        "Environment knows steps that take one connection each until none is left, and earn what "
+        "they earn whatever came before; here a goal, part steps or costs between steps say "
+        "otherwise: VectorEnvironment takes goals and costs between steps");
   for (std::size_t i = 0; i < episodes; ++i) reset(i);
 }
 
