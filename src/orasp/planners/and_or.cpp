@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,38 +31,44 @@ void add_effort(Statistics& sum, const Statistics& part) {
 template <std::size_t kWords>
 class AndOrRounds {
  public:
-  AndOrRounds(const detail::PieceProblem& pieces, const AndOrOptions& options, const Budget& budget)
-      : pieces_(pieces), options_(options), budget_(budget), search_(pieces, 0, budget, all_cuts_) {
+  AndOrRounds(const detail::PieceProblem& pieces, const Budget& budget)
+      : pieces_(pieces), budget_(budget), search_(pieces, 0, budget, all_cuts_) {
     best_.method = "and-or";
   }
 
-  Result run() {
+  /// The next `rounds` rounds.
+  Result run(std::uint64_t rounds) {
     // The first round takes some tenths of a second at any size.
     const std::uint64_t parts = std::max<std::uint64_t>(pieces_.system.problem().num_parts(), 1);
     const std::uint64_t first_expansions =
         std::clamp<std::uint64_t>(2'500'000 / parts, 2'000, 20'000);
     const std::uint64_t first_looks = std::max<std::uint64_t>(12'800'000 / (parts * kWords), 500);
     constexpr std::size_t kFirstWidth = 4;
-    for (std::uint64_t round = options_.first_round;; ++round) {
+    for (const std::uint64_t last_round = round_ + rounds - 1;; ++round_) {
+      const std::uint64_t round = round_;
       const std::uint64_t longer = std::uint64_t{1} << std::min<std::uint64_t>(round, 40);
       const bool done = search_.run(first_expansions * longer, first_looks * longer);
       most_ = all_cuts_.bound.value_or(kInfinity);
       if (done && most_ == -kInfinity) return detail::exhausted("and-or", all_cuts_.statistics);
       if (done) take_plan(search_, false, all_cuts_);
       if (all_cuts_.has_plan() && all_cuts_.reward > best_.reward) keep_plan(all_cuts_);
+      if (!done && all_cuts_.stop == Stop::None) dive();
       if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_)
         peel(kFirstWidth * longer);
       Stop stop = all_cuts_.stop;
       if (!proved() && !done && stop == Stop::None && !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
       if (!done && !proved() && stop == Stop::None) {
-        const bool last = round - options_.first_round + 1 >= options_.rounds;
-        if (!last) continue;
+        if (round < last_round) continue;
+        ++round_;
         stop = Stop::ExpansionLimit;
       }
       return concluded(stop);
     }
   }
+
+  /// A plan of another method that earns `reward`: what loses more need not be looked at.
+  void know_plan(double reward) { search_.know_plan(reward); }
 
  private:
   /// Whether the best plan earns all that the bound allows.
@@ -81,6 +88,15 @@ class AndOrRounds {
   void keep_plan(const Result& result) {
     best_.sequence = result.sequence;
     best_.reward = result.reward;
+    search_.know_plan(best_.reward);
+  }
+
+  /// A plan by the cuts that promise most after what was proved so far.
+  void dive() {
+    if (!search_.keeps_cuts()) return;
+    Result dived;
+    take_plan(search_, true, dived);
+    if (dived.has_plan() && dived.reward > best_.reward) keep_plan(dived);
   }
 
   /// Peels as long as that gives plans that are at least as good as those of the forests.
@@ -122,22 +138,22 @@ class AndOrRounds {
     return stop;
   }
 
-  Result concluded(Stop stop) {
-    add_effort(best_.statistics, all_cuts_.statistics);
-    if (std::isfinite(most_)) best_.bound = most_;
-    if (!best_.sequence.empty() || pieces_.system.num_connections() == 0)
-      best_.status = Status::Feasible;
+  [[nodiscard]] Result concluded(Stop stop) const {
+    Result result = best_;
+    add_effort(result.statistics, all_cuts_.statistics);
+    if (std::isfinite(most_)) result.bound = most_;
+    if (!result.sequence.empty() || pieces_.system.num_connections() == 0)
+      result.status = Status::Feasible;
     if (proved()) {
-      best_.status = Status::Optimal;
-      best_.bound = best_.reward;
+      result.status = Status::Optimal;
+      result.bound = result.reward;
     } else {
-      best_.stop = stop;
+      result.stop = stop;
     }
-    return std::move(best_);
+    return result;
   }
 
   const detail::PieceProblem& pieces_;
-  const AndOrOptions& options_;
   const Budget& budget_;
   /// What the search over all cuts gives.
   Result all_cuts_;
@@ -147,17 +163,83 @@ class AndOrRounds {
   /// The bound that the search over all cuts has proved.
   double most_ = kInfinity;
   bool peeling_pays_ = true;
+  std::uint64_t round_ = 0;
 };
 
+}  // namespace
+
+namespace detail {
+
+/// AndOrRounds whatever the number of words.
+class AnyRounds {
+ public:
+  AnyRounds() = default;
+  AnyRounds(const AnyRounds&) = delete;
+  AnyRounds& operator=(const AnyRounds&) = delete;
+  virtual ~AnyRounds() = default;
+  [[nodiscard]] virtual Result next(std::uint64_t rounds, double known_reward) = 0;
+};
+
+}  // namespace detail
+
+namespace {
+
 template <std::size_t kWords>
-Result run_rounds(const TransitionSystem& system, const AndOrOptions& options,
-                  const Budget& budget) {
-  const detail::PieceProblem pieces(system);
-  if (!pieces.gains.known()) return {};
-  return AndOrRounds<kWords>(pieces, options, budget).run();
+class RoundsOfWords final : public detail::AnyRounds {
+ public:
+  RoundsOfWords(const detail::PieceProblem& pieces, const Budget& budget)
+      : rounds_(pieces, budget) {}
+  [[nodiscard]] Result next(std::uint64_t rounds, double known_reward) override {
+    rounds_.know_plan(known_reward);
+    return rounds_.run(rounds);
+  }
+
+ private:
+  AndOrRounds<kWords> rounds_;
+};
+
+std::unique_ptr<detail::AnyRounds> make_rounds(const detail::PieceProblem& pieces, const Budget& budget) {
+  const std::size_t words = (pieces.system.problem().num_parts() + 63) / 64;
+  if (words <= 1) return std::make_unique<RoundsOfWords<1>>(pieces, budget);
+  if (words <= 2) return std::make_unique<RoundsOfWords<2>>(pieces, budget);
+  if (words <= 4) return std::make_unique<RoundsOfWords<4>>(pieces, budget);
+  if (words <= 8) return std::make_unique<RoundsOfWords<8>>(pieces, budget);
+  return std::make_unique<RoundsOfWords<16>>(pieces, budget);
 }
 
 }  // namespace
+
+struct AndOrTurns::Work {
+  Work(const TransitionSystem& system, const Budget& budget)
+      : pieces(system), rounds(pieces.gains.known() ? make_rounds(pieces, budget) : nullptr) {}
+  detail::PieceProblem pieces;
+  std::unique_ptr<detail::AnyRounds> rounds;
+  Statistics told;
+};
+
+AndOrTurns::AndOrTurns(const TransitionSystem& system, const Budget& budget)
+    : system_(system), budget_(budget) {}
+AndOrTurns::~AndOrTurns() = default;
+
+Result AndOrTurns::next(std::uint64_t rounds, double known_reward) {
+  Result result;
+  try {
+    if (!work_) work_ = std::make_unique<Work>(system_, budget_);
+    if (!work_->rounds) return {};
+    result = work_->rounds->next(rounds, known_reward);
+  } catch (const InputError&) {
+    // A formula without a value for a cut that no plan may ever make: what follows meets it if one
+    // does.
+    return {};
+  }
+  Statistics& sum = result.statistics;
+  Statistics& told = work_->told;
+  const Statistics now = sum;
+  sum.expanded -= told.expanded;
+  sum.generated -= told.generated;
+  told = now;
+  return result;
+}
 
 std::optional<std::string> and_or_obstacle(const TransitionSystem& system) {
   const bool plain = !system.wide() || detail::takes_part_trees(system);
@@ -179,18 +261,8 @@ Result searched(const TransitionSystem& system, const AndOrOptions& options, con
   }
   if (const auto reason = and_or_obstacle(system)) throw Refusal("and-or", *reason);
   if (system.wide()) return detail::part_trees(system, budget);
-  const std::size_t words = (system.problem().num_parts() + 63) / 64;
-  Result result;
-  try {
-    result = words <= 1   ? run_rounds<1>(system, options, budget)
-             : words <= 2 ? run_rounds<2>(system, options, budget)
-             : words <= 4 ? run_rounds<4>(system, options, budget)
-             : words <= 8 ? run_rounds<8>(system, options, budget)
-                          : run_rounds<16>(system, options, budget);
-  } catch (const InputError&) {
-    // A formula without a value for a cut that no plan may ever make: what follows meets it if one
-    // does.
-  }
+  AndOrTurns turns(system, budget);
+  Result result = turns.next(options.rounds, -kInfinity);
   if (!result.has_plan() && result.status != Status::Infeasible) {
     // The cut tree could not be carried out, or there was no time for one.
     Result other =

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -15,7 +16,6 @@ inline constexpr std::size_t kAndOrMostParts = 1024;
 
 /// The search goes in rounds, each twice as long as the one before.
 struct AndOrOptions {
-  std::uint64_t first_round = 0;
   std::uint64_t rounds = std::numeric_limits<std::uint64_t>::max();
 };
 
@@ -56,6 +56,28 @@ struct AndOrOptions {
 /// @throws Refusal where the objective or the direction does not allow it: and_or_obstacle().
 [[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,
                             const Budget& budget);
+
+/// and_or() in turns, between which other methods may look for plans. What a turn has proved stays
+/// for the next one. Only where and_or_obstacle() has nothing against it, no part steps.
+class AndOrTurns {
+ public:
+  /// Both must outlive it.
+  AndOrTurns(const TransitionSystem& system, const Budget& budget);
+  AndOrTurns(const AndOrTurns&) = delete;
+  AndOrTurns& operator=(const AndOrTurns&) = delete;
+  ~AndOrTurns();
+
+  /// The next rounds. A plan is known that earns `known_reward`; -infinity where none is. The
+  /// expansions in the answer are those of these rounds; unknown without a bound where the search
+  /// is of no use.
+  [[nodiscard]] Result next(std::uint64_t rounds, double known_reward);
+
+ private:
+  struct Work;
+  const TransitionSystem& system_;
+  const Budget& budget_;
+  std::unique_ptr<Work> work_;
+};
 
 /// Why and_or() does not take the problem; empty where it does. A problem that is infeasible at
 /// sight and one without connections are answered all the same.

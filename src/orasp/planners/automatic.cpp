@@ -152,15 +152,17 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   // Piece by piece, a short look.
   const bool by_pieces = !and_or_obstacle(system);
   bool pieces_ended = !by_pieces;
-  const auto look_at_pieces = [&](std::uint64_t round) {
-    const Result result = and_or(system, {.first_round = 2 * round, .rounds = 2}, budget);
+  AndOrTurns turns(system, budget);
+  const auto look_at_pieces = [&] {
+    const Result result =
+        turns.next(2, findings.best().has_plan() ? findings.best().reward : -kInfinity);
     findings.add(result);
     if (result.stop == Stop::None) pieces_ended = true;
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
   };
   Stop stop = Stop::None;
   if (by_pieces && !pieces.sees_connections()) {
-    stop = look_at_pieces(0);
+    stop = look_at_pieces();
     if (findings.settled() || stop != Stop::None)
       return findings.answer(stop, "and-or, since the objective sees the piece only");
   }
@@ -211,7 +213,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     if (findings.settled() || stop != Stop::None) break;
     if (passes.status == Status::Optimal) break;
     if (!pieces_ended && (turn >= kTurnsBeforePieces || !pieces.sees_connections()))
-      stop = look_at_pieces(turn + 1);
+      stop = look_at_pieces();
     if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())
       continue;
     may_be_dense = false;

@@ -174,7 +174,9 @@ std::optional<double> AndOrSearch<kWords>::gain_of(const Set& piece, const Set& 
   list_parts(side, side_list_);
   list_parts(rest, rest_list_);
   std::optional<double> best;
-  for (const PartIndex part : side_parts <= rest_parts ? side_list_ : rest_list_) {
+  const bool by_side = side_parts <= rest_parts;
+  for (const PartIndex part : by_side ? side_list_ : rest_list_) {
+    if ((neighbours_[part] & (by_side ? rest : side)).empty()) continue;
     for (const auto& half : graph_.around(part)) {
       if (!piece.contains(half.other) || side.contains(half.other) == side.contains(part)) continue;
       const auto gain = listed_gain(side, half.connection);

@@ -23,6 +23,7 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
                 problem_.directions().empty()),
       by_connection_(pieces.system.gain_by_connection()),
       limited_(problem_.limits().max_subassemblies.has_value()),
+      stores_(!limited_ && bounded_ && !pieces.system.gain_by_sizes()),
       memo_(kWords + 1) {
   const std::size_t parts = problem_.num_parts();
   neighbours_.resize(parts);
@@ -43,6 +44,7 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
         below_[parent_[part]] = below_[parent_[part]] | below_[part];
     }
   }
+  if (!along_forest_) sides_.emplace(problem_, neighbours_);
   close_precedence();
 }
 
@@ -70,6 +72,7 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   if (problem_.num_connections() > 0) most += first_ ? first_->most : gains_.last_surplus();
   for (const Set& piece : pieces) most += upper(piece, piece.size());
   result_.bound = most;
+  most_loss_ = std::max(0.0, most - known_reward_) + slack(most);
   std::vector<double> losses;
   for (const Set& piece : pieces) {
     const double before = most;
@@ -98,7 +101,8 @@ double AndOrSearch<kWords>::solve(const Set& piece, std::size_t allowed, Report&
   const double scale = upper(piece, parts);
   scale_ = scale;
   double limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity;
-  double step = slack(scale);
+  // Where cuts are kept, losses are as many different numbers as there are cuts.
+  double step = stores_ ? std::max(slack(scale), 1e-5 * std::abs(scale)) : slack(scale);
   // The search goes into depth first. One wrong choice high up makes it try every way to fail
   // further down. So each try ends after a while, and the next one takes equal cuts in another
   // order; what was proved stays.
@@ -132,6 +136,7 @@ double AndOrSearch<kWords>::search(const Set& piece, std::size_t parts, std::siz
   if (parts == 1) return 0;
   if (allowed == 0) return kInfinity;
   if (limited_) allowed = useful(allowed, parts);
+  if (stores_) return search_stored(node_of(piece, parts), limit);
   const auto [number, is_new] = memo_.insert(key(piece, allowed).data());
   if (is_new) {
     loss_.push_back(first_loss(piece, parts));

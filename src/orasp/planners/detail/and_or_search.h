@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/detail/part_set.h"
+#include "orasp/planners/detail/side_lister.h"
 #include "orasp/planners/detail/spanning_forest.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -60,6 +62,7 @@ struct PieceProblem {
 /// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
 /// search takes too long, and_or_first.cpp what changes where the first step completes,
+/// and_or_stored.cpp the search where the cuts of a piece are listed once and kept,
 /// and_or_sequence.cpp the steps of a plan.
 template <std::size_t kWords>
 class AndOrSearch {
@@ -83,6 +86,12 @@ class AndOrSearch {
   /// run().
   void peel(std::size_t width);
 
+  /// A plan that earns so much is known: what loses more need not be looked at.
+  void know_plan(double reward) { known_reward_ = std::max(known_reward_, reward); }
+
+  /// Whether the cuts of pieces are kept, so that sequence() may be asked for a dive at any time.
+  [[nodiscard]] bool keeps_cuts() const { return stores_; }
+
   /// Carries the trees of cuts out as legal steps; empty where that is not possible. With `dive`, a
   /// piece that is not solved is cut where the cut promises most. Only after run().
   std::vector<ConnectionIndex> sequence(bool dive);
@@ -105,6 +114,22 @@ class AndOrSearch {
     std::uint64_t order;
     /// Whether the rest is finished first, while the side waits; else the other way round.
     bool side_waits;
+  };
+  /// A cut as it is kept: the numbers of its sides in memo_.
+  struct StoredCut {
+    std::uint32_t side;
+    std::uint32_t rest;
+    double own_loss;
+  };
+  /// The kept cuts of a piece: those whose own loss is at most `limit`. Of the others the least is
+  /// `skipped`.
+  struct StoredCuts {
+    std::uint64_t begin;
+    std::uint32_t size;
+    bool kept;
+    bool too_many;
+    double limit;
+    double skipped;
   };
   /// What peel() has left of a piece, and how it came to it.
   struct Remainder {
@@ -156,6 +181,20 @@ class AndOrSearch {
   std::size_t arms(const Set& piece);
   void close_precedence();
   void poll();
+
+  // and_or_stored.cpp
+  std::uint32_t node_of(const Set& set, std::size_t parts);
+  double search_stored(std::uint32_t number, double limit);
+  bool store_cuts(std::uint32_t number, double limit);
+  void store_cut(const Set& piece, double here, const Set& side, std::size_t side_parts,
+                 double limit, double& skipped);
+  std::pair<double, double> least_stored_loss(std::uint32_t number, double limit);
+  [[nodiscard]] std::optional<Cut> next_stored_cut(const Set& piece, std::size_t parts, bool dive);
+  [[nodiscard]] Set set_of(std::uint32_t number) const {
+    Set set;
+    std::copy_n(memo_.key(number), kWords, set.words.begin());
+    return set;
+  }
 
   // and_or_cuts.cpp
   double list_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
@@ -276,7 +315,7 @@ class AndOrSearch {
   [[nodiscard]] std::uint64_t bytes() const {
     constexpr std::size_t kUntilNextLook = 512;
     return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() +
-           cuts_.capacity() * sizeof(Cut);
+           cuts_.capacity() * sizeof(Cut) + upper_.bytes() + lists_.bytes() + stored_.bytes();
   }
 
   const Problem& problem_;
@@ -300,8 +339,14 @@ class AndOrSearch {
   /// Whether max_subassemblies is stated.
   bool limited_;
 
+  /// Whether the cuts of a piece are listed once and kept: where sizes tell little of what a cut
+  /// gains, all cuts are looked at anyway.
+  bool stores_;
+
   /// The parts that each part is connected to.
   std::vector<Set> neighbours_;
+  /// The ways to part a piece; nothing where only the cuts along a forest are looked at.
+  std::optional<SideLister<kWords>> sides_;
   /// Along a forest: the part above each part, and the set of parts at and below it.
   std::vector<std::uint32_t> parent_;
   std::vector<Set> below_;
@@ -313,6 +358,17 @@ class AndOrSearch {
   StateTable<kWords + 1> memo_;
   GrowingArray<double> loss_;
   GrowingArray<unsigned char> exact_;
+  /// Where cuts are kept: the bound of each piece of memo_, and its cuts.
+  GrowingArray<double> upper_;
+  GrowingArray<StoredCuts> lists_;
+  GrowingArray<StoredCut> stored_;
+  /// The kept cuts of the pieces that are being searched by their estimates, those of the innermost
+  /// piece last.
+  std::vector<std::pair<double, std::uint64_t>> promising_;
+  /// What the best known plan earns, and what a piece may lose at most where a plan is to be no
+  /// worse.
+  double known_reward_ = -kInfinity;
+  double most_loss_ = kInfinity;
   /// The cuts of the pieces that are being searched, those of the innermost piece last.
   std::vector<Cut> cuts_;
 

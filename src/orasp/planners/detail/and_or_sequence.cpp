@@ -11,6 +11,7 @@ auto AndOrSearch<kWords>::next_cut(const Set& piece, std::size_t parts, std::siz
   if (peeled != peeled_.end())
     return Cut{
         .side = peeled->second, .own_loss = 0, .estimate = 0, .order = 0, .side_waits = false};
+  if (stores_) return next_stored_cut(piece, parts, dive);
   const bool known = is_exact(piece, allowed);
   if (!known && !dive) return std::nullopt;
   const double loss = known_loss(piece, parts, allowed);
