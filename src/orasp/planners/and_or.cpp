@@ -53,10 +53,11 @@ class AndOrRounds {
       if (done) take_plan(search_, false, all_cuts_);
       if (all_cuts_.has_plan() && all_cuts_.reward > best_.reward) keep_plan(all_cuts_);
       if (!done && all_cuts_.stop == Stop::None) dive();
-      if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_)
+      const bool all_kept = search_.keeps_all_cuts();
+      if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_ && !all_kept)
         peel(kFirstWidth * longer);
       Stop stop = all_cuts_.stop;
-      if (!proved() && !done && stop == Stop::None && !pieces_.graph.is_forest())
+      if (!proved() && !done && stop == Stop::None && !all_kept && !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
       if (!done && !proved() && stop == Stop::None) {
         if (round < last_round) continue;
@@ -198,7 +199,8 @@ class RoundsOfWords final : public detail::AnyRounds {
   AndOrRounds<kWords> rounds_;
 };
 
-std::unique_ptr<detail::AnyRounds> make_rounds(const detail::PieceProblem& pieces, const Budget& budget) {
+std::unique_ptr<detail::AnyRounds> make_rounds(const detail::PieceProblem& pieces,
+                                               const Budget& budget) {
   const std::size_t words = (pieces.system.problem().num_parts() + 63) / 64;
   if (words <= 1) return std::make_unique<RoundsOfWords<1>>(pieces, budget);
   if (words <= 2) return std::make_unique<RoundsOfWords<2>>(pieces, budget);

@@ -238,8 +238,11 @@ std::pair<double, bool> AndOrSearch<kWords>::loss_with(const Cut& cut,
 template <std::size_t kWords>
 double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
   if (!gains_.sizes_known() || parts < 3) return unknown_loss();
-  const double most = gains_.by_arms(parts, arms(piece)) - tree(piece);
-  return std::max(0.0, upper(piece, parts) - most - slack(scale_));
+  const double here = upper(piece, parts) + tree(piece);
+  // A star has the most arms; where even that loses nothing, they need not be counted.
+  const double of_star = gains_.by_arms(parts, parts - 1);
+  if (std::isfinite(of_star) && here <= of_star) return 0;
+  return std::max(0.0, here - gains_.by_arms(parts, arms(piece)) - slack(scale_));
 }
 
 /// The most components that a piece falls into without one of its parts. Reference: articulation

@@ -91,6 +91,8 @@ class AndOrSearch {
 
   /// Whether the cuts of pieces are kept, so that sequence() may be asked for a dive at any time.
   [[nodiscard]] bool keeps_cuts() const { return stores_; }
+  /// Whether those of the whole pieces are few enough. Only after run().
+  [[nodiscard]] bool keeps_all_cuts() const;
 
   /// Carries the trees of cuts out as legal steps; empty where that is not possible. With `dive`, a
   /// piece that is not solved is cut where the cut promises most. Only after run().
@@ -186,8 +188,8 @@ class AndOrSearch {
   std::uint32_t node_of(const Set& set, std::size_t parts);
   double search_stored(std::uint32_t number, double limit);
   bool store_cuts(std::uint32_t number, double limit);
-  void store_cut(const Set& piece, double here, const Set& side, std::size_t side_parts,
-                 double limit, double& skipped);
+  void store_cut(const Set& piece, double here, const Set& side, const Set& rest, double limit,
+                 double& skipped);
   std::pair<double, double> least_stored_loss(std::uint32_t number, double limit);
   [[nodiscard]] std::optional<Cut> next_stored_cut(const Set& piece, std::size_t parts, bool dive);
   [[nodiscard]] Set set_of(std::uint32_t number) const {
@@ -385,8 +387,9 @@ class AndOrSearch {
 
   /// The bound of the piece that solve() is at: rounding errors are measured by its size.
   double scale_ = 0;
-  /// How many sides of cuts were looked at.
+  /// How many sides of cuts were looked at, and how often pieces whose cuts are kept.
   std::uint64_t looks_ = 0;
+  std::uint64_t visits_ = 0;
   /// Cuts of the same estimate are taken as they are listed where this is 0, and else in an order
   /// that depends on it.
   std::uint64_t salt_ = 0;

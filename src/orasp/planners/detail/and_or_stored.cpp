@@ -22,13 +22,7 @@ std::uint32_t AndOrSearch<kWords>::node_of(const Set& set, std::size_t parts) {
 template <std::size_t kWords>
 double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
   if (exact_[number] != 0 || loss_[number] > limit || must_stop()) return loss_[number];
-  ++result_.statistics.expanded;
-  if (result_.statistics.expanded % 256 == 0) poll();
-  if (result_.statistics.expanded >= run_ends_at_) run_is_over_ = true;
-  if (result_.statistics.expanded >= try_ends_at_) {
-    try_is_over_ = true;
-    return loss_[number];
-  }
+  if (++visits_ % 4096 == 0) poll();
   const StoredCuts& list = lists_[number];
   double best = kInfinity;
   double next = kInfinity;
@@ -62,6 +56,9 @@ bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
   const Set piece = set_of(number);
   const std::size_t parts = piece.size();
   if (!lists_[number].kept) loss_[number] = std::max(loss_[number], first_loss(piece, parts));
+  ++result_.statistics.expanded;
+  if (result_.statistics.expanded % 256 == 0) poll();
+  if (result_.statistics.expanded >= run_ends_at_) run_is_over_ = true;
   const double most = std::max(limit, most_loss_);
   const std::uint64_t begin = stored_.size();
   const std::uint64_t looks_before = looks_;
@@ -75,13 +72,13 @@ bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
     piece.for_each([&](std::size_t part) {
       if (parent_[part] == SpanningForest::kNoPart || !piece.contains(parent_[part])) return;
       const Set side = below_[part] & piece;
-      store_cut(piece, upper_[number], side, side.size(), most, skipped);
+      store_cut(piece, upper_[number], side, piece - side, most, skipped);
     });
   } else {
     sides_->list(
         piece,
-        [&](const Set& side, const Set&) {
-          store_cut(piece, upper_[number], side, side.size(), most, skipped);
+        [&](const Set& side, const Set& rest) {
+          store_cut(piece, upper_[number], side, rest, most, skipped);
         },
         stop);
   }
@@ -91,18 +88,18 @@ bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
     lists_[number].too_many = !must_stop();
     return false;
   }
-  lists_[number] = {begin, static_cast<std::uint32_t>(stored_.size() - begin), true, false, most,
+  lists_[number] = {begin,  static_cast<std::uint32_t>(stored_.size() - begin), true, false, most,
                     skipped};
   return true;
 }
 
-/// Keeps the cut of `piece` into `side` and the rest if it is legal and loses at most `limit`
-/// itself. `here` is the bound of the piece.
+/// Keeps the cut of `piece` into `side` and `rest` if it is legal and loses at most `limit` itself.
+/// `here` is the bound of the piece.
 template <std::size_t kWords>
-void AndOrSearch<kWords>::store_cut(const Set& piece, double here, const Set& side,
-                                    std::size_t side_parts, double limit, double& skipped) {
-  const Set rest = piece - side;
-  const std::size_t rest_parts = piece.size() - side_parts;
+void AndOrSearch<kWords>::store_cut(const Set& piece, double here, const Set& side, const Set& rest,
+                                    double limit, double& skipped) {
+  const std::size_t side_parts = side.size();
+  const std::size_t rest_parts = rest.size();
   if (std::min(side_parts, rest_parts) > gains_.most_moved()) return;
   const std::optional<double> gain = gain_of(piece, side, rest, side_parts, rest_parts);
   if (!gain) return;
@@ -167,6 +164,14 @@ std::pair<double, double> AndOrSearch<kWords>::least_stored_loss(std::uint32_t n
   return {best, next};
 }
 
+template <std::size_t kWords>
+bool AndOrSearch<kWords>::keeps_all_cuts() const {
+  return stores_ && std::ranges::all_of(pieces_, [&](const Set& piece) {
+           const std::uint32_t number = memo_.find(key(piece, 0).data());
+           return number != StateTable<kWords + 1>::kAbsent && lists_[number].kept;
+         });
+}
+
 /// As next_cut(), where cuts are kept.
 template <std::size_t kWords>
 auto AndOrSearch<kWords>::next_stored_cut(const Set& piece, std::size_t parts, bool dive)
@@ -197,23 +202,23 @@ auto AndOrSearch<kWords>::next_stored_cut(const Set& piece, std::size_t parts, b
 
 template std::uint32_t AndOrSearch<1>::node_of(const Set&, std::size_t);
 template double AndOrSearch<1>::search_stored(std::uint32_t, double);
-template auto AndOrSearch<1>::next_stored_cut(const Set&, std::size_t, bool)
-    -> std::optional<Cut>;
+template bool AndOrSearch<1>::keeps_all_cuts() const;
+template auto AndOrSearch<1>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<2>::node_of(const Set&, std::size_t);
 template double AndOrSearch<2>::search_stored(std::uint32_t, double);
-template auto AndOrSearch<2>::next_stored_cut(const Set&, std::size_t, bool)
-    -> std::optional<Cut>;
+template bool AndOrSearch<2>::keeps_all_cuts() const;
+template auto AndOrSearch<2>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<4>::node_of(const Set&, std::size_t);
 template double AndOrSearch<4>::search_stored(std::uint32_t, double);
-template auto AndOrSearch<4>::next_stored_cut(const Set&, std::size_t, bool)
-    -> std::optional<Cut>;
+template bool AndOrSearch<4>::keeps_all_cuts() const;
+template auto AndOrSearch<4>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<8>::node_of(const Set&, std::size_t);
 template double AndOrSearch<8>::search_stored(std::uint32_t, double);
-template auto AndOrSearch<8>::next_stored_cut(const Set&, std::size_t, bool)
-    -> std::optional<Cut>;
+template bool AndOrSearch<8>::keeps_all_cuts() const;
+template auto AndOrSearch<8>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<16>::node_of(const Set&, std::size_t);
 template double AndOrSearch<16>::search_stored(std::uint32_t, double);
-template auto AndOrSearch<16>::next_stored_cut(const Set&, std::size_t, bool)
-    -> std::optional<Cut>;
+template bool AndOrSearch<16>::keeps_all_cuts() const;
+template auto AndOrSearch<16>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
 
 }  // namespace orasp::detail

@@ -56,8 +56,7 @@ class SideLister {
   void list(const Set& piece, Offer&& offer, Stop&& stop) const {
     Set first;
     first.insert(piece.first());
-    const bool any = directions_.empty() || (piece & base_).size() > 1;
-    if (any) {
+    if (directions_.empty() || (piece & base_).size() > 1) {
       walk(piece, kAnyDirection, first, {}, offer, stop);
       return;
     }
@@ -149,8 +148,7 @@ class SideLister {
       Set next;
       next.insert(open.first());
       walk(piece, direction, a | next, b, offer, stop);
-      const std::size_t back =
-          direction == kAnyDirection ? direction : opposite(direction);
+      const std::size_t back = direction == kAnyDirection ? direction : opposite(direction);
       b = b | closed(piece, back, next);
     }
   }
