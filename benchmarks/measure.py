@@ -37,10 +37,15 @@ print(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, file=sys.stderr)
 
 
 class Run:
-    """One run of `orasp solve`: its plan, CPU seconds, greatest resident memory in MiB (at least the launcher's 10)."""
+    """One run of `orasp solve`: its plan, CPU seconds, greatest resident memory in MiB (at least the launcher's 10).
 
-    def __init__(self, problem, *options, method="auto", objective=None, limit=None):
-        words = [ARGUMENTS.program, "solve", problem, "--method", method, "--json", "--quiet", *options]
+    `brief`: only how it ended and how long it took, from the table for people: as JSON the steps of thousands of
+    connections list millions of parts."""
+
+    def __init__(self, problem, *options, method="auto", objective=None, limit=None, brief=False):
+        words = [ARGUMENTS.program, "solve", problem, "--method", method, *options]
+        if not brief:
+            words += ["--json", "--quiet"]
         if limit is not None:
             words += ["--time-limit", str(limit)]
         if objective is not None:
@@ -51,7 +56,12 @@ class Run:
         self.cpu, self.mebibytes = map(float, figures.split())
         self.error = "\n".join(error)
         text = done.stdout
-        self.plan = json.loads(text) if text else None
+        if brief:
+            status = re.search(r"^status +(\w+)", text.decode(), re.MULTILINE)
+            seconds = re.search(r"^effort .* ([\d.]+) s$", text.decode(), re.MULTILINE)
+            self.plan = status and {"status": status[1], "statistics": {"seconds": float(seconds[1])}}
+        else:
+            self.plan = json.loads(text) if text else None
 
     @property
     def seconds(self):
@@ -171,11 +181,13 @@ SERIES = [  # name, colour, gnuplot's full and hollow mark, method, objective
     ("value-iteration, cubesat", "#444444", 11, 10, "value-iteration", None),
 ]
 FAMILIES = [
-    ("chains", [f"chain:{n + 1}" for n in (4, 8, 12, 16, 20, 24, 32, 64, 128, 256, 512, 1024)]),
+    ("chains", [f"chain:{n + 1}" for n in (4, 8, 12, 16, 20, 24, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192,
+                                        16000)]),
     ("grids", [f"grid:{r}x{c}" for r, c in ((2, 2), (2, 3), (3, 3), (3, 4), (3, 5), (4, 4), (5, 5), (6, 6), (8, 8),
-                                            (11, 11), (16, 16), (23, 23))]),
-    ("trees", [f"tree:{n + 1}:1" for n in (4, 8, 12, 16, 20, 24, 32, 64, 128, 256, 512, 1024)]),
+                                            (11, 11), (16, 16), (23, 23), (32, 32), (46, 46), (64, 64), (90, 90))]),
+    ("trees", [f"tree:{n + 1}:1" for n in (4, 8, 12, 16, 20, 24, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16000)]),
 ]
+MOST_AS_JSON = 1100  # connections
 
 
 def connections_of(problem):
@@ -192,7 +204,8 @@ def growth():
         for name, _, _, _, method, objective in SERIES:
             line = points[family, name] = []
             for problem in problems:
-                run = Run(problem, method=method, objective=objective, limit=ARGUMENTS.limit)
+                run = Run(problem, method=method, objective=objective, limit=ARGUMENTS.limit,
+                          brief=connections_of(problem) > MOST_AS_JSON)
                 print(family, name, problem, run.plan and (run.plan["status"], run.seconds), round(run.mebibytes),
                       file=sys.stderr, flush=True)
                 if run.plan is None:
@@ -222,7 +235,7 @@ def drawn(points):
     script = ["set encoding utf8",
               'set terminal svg size 900,540 fixed font "Helvetica,11" background rgb "white"',
               "set multiplot layout 2,3 margins 0.095,0.985,0.17,0.93 spacing 0.03,0.05",
-              "set logscale xy", "set xrange [3:1500]", "set border 3 lc rgb '#57606a' lw 0.8", "unset key",
+              "set logscale xy", "set xrange [3:24000]", "set border 3 lc rgb '#57606a' lw 0.8", "unset key",
               "set tics nomirror out scale 0.6", "set grid lc rgb '#eaeef2' lw 0.8 lt 1"]
     for f, (family, _) in enumerate(FAMILIES):
         for i, (name, *_) in enumerate(SERIES):
@@ -240,7 +253,7 @@ def drawn(points):
     for row, (unit, column, span, names) in enumerate(panels):
         for f, (family, _) in enumerate(FAMILIES):
             ticks = ", ".join(f"'{text if f == 0 else ''}' {value}" for value, text in names.items())
-            places = ", ".join(f"'{n if row == 1 else ''}' {n}" for n in (4, 16, 64, 256, 1024))
+            places = ", ".join(f"'{n if row == 1 else ''}' {n}" for n in (4, 32, 256, 2048, 16384))
             plots = []
             for i, (_, colour, full, hollow, *_) in enumerate(SERIES):
                 for kind, look in (("line", "lines lw 1.4"), ("full", f"points pt {full} ps 0.6"),

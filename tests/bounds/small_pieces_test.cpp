@@ -80,7 +80,7 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
       const TransitionSystem system(problem);
       Expander expander(system);
       SCOPED_TRACE(spec.name + " " + objective);
-      for (std::size_t listed = 1; listed <= SmallPieces::kMostListed; ++listed) {
+      for (std::size_t listed = 1; listed < kParts; ++listed) {
         const SmallPieces pieces(expander, problem, listed);
         ASSERT_TRUE(pieces.known());
         std::vector<double> bounds(1U << kParts, -kInfinity);
@@ -112,6 +112,28 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
   }
 }
 
+// Where the sets of a size are too many, that size is not listed, and what is listed is found.
+TEST(SmallPieces, ListsTheSizesThatThereIsRoomFor) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const Problem problem(random_product(seed, "time"));
+    const TransitionSystem system(problem);
+    Expander expander(system);
+    std::vector<std::size_t> sets_up_to(kParts + 1, 0);
+    for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
+      if (connected(problem, bits)) ++sets_up_to[parts_of(bits).size()];
+    }
+    for (std::size_t size = 1; size <= kParts; ++size) sets_up_to[size] += sets_up_to[size - 1];
+    const SmallPieces some(expander, problem, kParts, sets_up_to[4]);
+    const SmallPieces up_to_four(expander, problem, 4);
+    EXPECT_TRUE(some.more_could_be_listed());
+    EXPECT_FALSE(SmallPieces(expander, problem).more_could_be_listed());
+    for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
+      if (!connected(problem, bits)) continue;
+      EXPECT_EQ(some.bound(parts_of(bits)), up_to_four.bound(parts_of(bits)));
+    }
+  }
+}
+
 // Prices say more than nothing: without them the bound of a product under `travel` is 0 where more
 // than three parts may move, since no cut gains more.
 TEST(SmallPieces, PricesTellWhatPlansCostAtLeast) {
@@ -121,7 +143,9 @@ TEST(SmallPieces, PricesTellWhatPlansCostAtLeast) {
     Expander expander(system);
     const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
     const double exact = SmallPieces(expander, problem).bound(all);
-    EXPECT_LT(exact, -1);
+    const double priced = SmallPieces(expander, problem, 5).bound(all);
+    EXPECT_LT(priced, -1);
+    EXPECT_GE(priced, exact - 1e-9);
     PieceBound used(system, PieceBound::Kind::Both);
     EXPECT_LT(used(system.start().view()), -1);
   }

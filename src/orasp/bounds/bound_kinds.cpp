@@ -133,7 +133,8 @@ std::unique_ptr<Bound> best_bound(const TransitionSystem& system, const Bound* l
     return std::make_unique<SumBound>(system, sum->shared());
   if (const auto* const places = dynamic_cast<const PlaceBound*>(like))
     return std::make_unique<PlaceBound>(system, places->prices());
-  auto pieces = std::make_unique<PieceBound>(system, PieceBound::Kind::Both);
+  auto pieces = std::make_unique<PieceBound>(system, PieceBound::Kind::Both,
+                                             dynamic_cast<const PieceBound*>(like));
   if (pieces->known()) return pieces;
   const bool by_when = sees_when(system);
   if (by_when && system.takes_apart()) {
@@ -164,11 +165,14 @@ BoundKind bound_called(std::string_view name) {
 
 std::unique_ptr<Bound> make_bound(const TransitionSystem& system, BoundKind kind,
                                   const Bound* like) {
+  const auto* const pieces = dynamic_cast<const PieceBound*>(like);
   switch (kind) {
     case BoundKind::None: return std::make_unique<ZeroBound>(system);
     case BoundKind::Connections: return std::make_unique<ConnectionBound>(system);
-    case BoundKind::Sizes: return std::make_unique<PieceBound>(system, PieceBound::Kind::Sizes);
-    case BoundKind::Parts: return std::make_unique<PieceBound>(system, PieceBound::Kind::Parts);
+    case BoundKind::Sizes:
+      return std::make_unique<PieceBound>(system, PieceBound::Kind::Sizes, pieces);
+    case BoundKind::Parts:
+      return std::make_unique<PieceBound>(system, PieceBound::Kind::Parts, pieces);
     case BoundKind::Best: break;
   }
   return best_bound(system, like);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <utility>
 
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/tolerance.h"
@@ -41,13 +42,19 @@ struct PieceBound::Scratch {
   }
 };
 
-PieceBound::PieceBound(const TransitionSystem& system, Kind kind) : gains_(system) {
-  sizes_ = kind != Kind::Parts && gains_.known() && gains_.sizes_known();
-  parts_ = kind != Kind::Sizes && gains_.known() && gains_.parts_known();
+PieceBound::PieceBound(const TransitionSystem& system, Kind kind, const PieceBound* like)
+    : PieceBound(system, kind,
+                 like != nullptr ? like->gains_ : std::make_shared<const PieceGains>(system)) {}
+
+PieceBound::PieceBound(const TransitionSystem& system, Kind kind,
+                       std::shared_ptr<const PieceGains> gains)
+    : gains_(std::move(gains)) {
+  sizes_ = kind != Kind::Parts && gains_->known() && gains_->sizes_known();
+  parts_ = kind != Kind::Sizes && gains_->known() && gains_->parts_known();
   known_ = sizes_ || parts_;
   if (!known_) return;
-  scratch_ = std::make_unique<Scratch>(system, parts_ || gains_.has_units());
-  scratch_->trees = gains_.trees();
+  scratch_ = std::make_unique<Scratch>(system, parts_ || gains_->has_units());
+  scratch_->trees = gains_->trees();
   completes_first_ = system.completes_first();
   num_steps_ = system.num_steps();
   if (completes_first_ && num_steps_ > 0) look_at_first_step(system);
@@ -74,18 +81,18 @@ PieceBound::~PieceBound() = default;
 
 double PieceBound::of_piece(std::span<const PartIndex> piece) const {
   double bound = kInfinity;
-  if (sizes_) bound = gains_.by_size(piece.size(), gains_.excess(piece));
-  if (parts_) bound = std::min(bound, gains_.by_parts(piece));
+  if (sizes_) bound = gains_->by_size(piece.size(), gains_->excess(piece));
+  if (parts_) bound = std::min(bound, gains_->by_parts(piece));
   return bound;
 }
 
 // The bound of a piece whose last cut is the last step of all.
 double PieceBound::of_last_piece(std::span<const PartIndex> piece) const {
-  const std::size_t excess = gains_.excess(piece);
+  const std::size_t excess = gains_->excess(piece);
   if (excess + 1 == piece.size()) return -kInfinity;
   double bound = kInfinity;
-  if (sizes_) bound = gains_.last_by_size(piece.size(), excess);
-  if (parts_) bound = std::min(bound, gains_.by_parts(piece) + gains_.surplus_of_cut());
+  if (sizes_) bound = gains_->last_by_size(piece.size(), excess);
+  if (parts_) bound = std::min(bound, gains_->by_parts(piece) + gains_->surplus_of_cut());
   return bound;
 }
 
@@ -114,7 +121,7 @@ void PieceBound::of_successors_with_units(SetView open, double here,
   s.connectivity.analyse(s.present(open), false);
   // Returns the greatest surplus of all pieces but `piece`.
   const auto greatest_but = [&](std::size_t piece) {
-    double greatest = gains_.surplus_without_cut();
+    double greatest = gains_->surplus_without_cut();
     for (std::size_t p = 0; p < s.surpluses.size(); ++p) {
       if (p != piece) greatest = std::max(greatest, s.surpluses[p]);
     }
@@ -126,7 +133,7 @@ void PieceBound::of_successors_with_units(SetView open, double here,
   const double greatest = std::max(others, s.surpluses[best]);
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const ConnectionIndex c = actions[i].connection;
-    bounds[i] = here - gains_.own(c);
+    bounds[i] = here - gains_->own(c);
     const std::uint32_t a = s.connectivity.below(c);
     if (a == 0) continue;
     s.piece.clear();
@@ -150,21 +157,21 @@ double PieceBound::operator()(SetView open) {
   double sum = 0;
   std::size_t left = 0;
   for_each_connection(open, [&](ConnectionIndex c) {
-    sum += gains_.own(c);
+    sum += gains_->own(c);
     ++left;
   });
   if (left == 0) return 0;
   if (completes_first_ && left == num_steps_) sum += first_extra_;
   sum -= scratch_->trees.of(scratch_->present(open));
-  if (gains_.has_units()) {
+  if (gains_->has_units()) {
     sum += measure_units(open);
     if (completes_first_) return sum;
     return sum +
-           std::max(gains_.surplus_without_cut(), *std::ranges::max_element(scratch_->surpluses));
+           std::max(gains_->surplus_without_cut(), *std::ranges::max_element(scratch_->surpluses));
   }
   scratch_->graph.for_each_piece(open,
                                  [&](std::span<const PartIndex> piece) { sum += of_piece(piece); });
-  return sum + gains_.surplus_of_last_pair();
+  return sum + gains_->surplus_of_last_pair();
 }
 
 // By prices alone a cut of S into A and B changes the bound by
@@ -195,7 +202,7 @@ void PieceBound::of_successors_by_runs(double here, std::span<const Action> acti
     for (std::size_t i = 0; i < n; ++i) {
       place[run[i]] = i;
       piece[run[i]] = pieces.size() - 1;
-      least.of_run[0][i] = gains_.prices().price(run[i]);
+      least.of_run[0][i] = gains_->prices().price(run[i]);
       least.up_to[i + 1] = std::min(least.up_to[i], least.of_run[0][i]);
     }
     for (std::size_t i = n; i-- > 0;)
@@ -209,7 +216,7 @@ void PieceBound::of_successors_by_runs(double here, std::span<const Action> acti
   };
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const ConnectionIndex c = actions[i].connection;
-    bounds[i] = here - gains_.own(c);
+    bounds[i] = here - gains_->own(c);
     const std::size_t below = connectivity.below(c);
     if (below == 0) continue;
     const PartIndex first = connectivity.lower_side(c).runs[0].front();
@@ -233,7 +240,7 @@ void PieceBound::of_successors(SetView open, double here, std::span<const Action
     return;
   }
   if (completes_first_ && left == num_steps_) here -= first_extra_;
-  if (gains_.has_units()) {
+  if (gains_->has_units()) {
     of_successors_with_units(open, here, actions, bounds);
   } else {
     of_successors_by_pieces(open, here, actions, bounds);
@@ -249,19 +256,19 @@ void PieceBound::of_successors_by_pieces(SetView open, double here, std::span<co
                                          std::span<double> bounds) {
   detail::Connectivity& connectivity = scratch_->connectivity;
   connectivity.analyse(open, false);
-  if (parts_ && !sizes_ && gains_.prices().plain() &&
+  if (parts_ && !sizes_ && gains_->prices().plain() &&
       scratch_->graph.num_parts() > PieceGains::kMostPartsInTable) {
     of_successors_by_runs(here, actions, bounds);
     return;
   }
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const ConnectionIndex c = actions[i].connection;
-    bounds[i] = here - gains_.own(c);
+    bounds[i] = here - gains_->own(c);
     const std::uint32_t a = connectivity.below(c);
     if (a == 0) continue;
     const std::uint32_t n = connectivity.piece(c);
     if (!parts_) {
-      bounds[i] += gains_.by_size(a) + gains_.by_size(n - a) - gains_.by_size(n);
+      bounds[i] += gains_->by_size(a) + gains_->by_size(n - a) - gains_->by_size(n);
       continue;
     }
     std::vector<PartIndex>& piece = scratch_->piece;
@@ -275,9 +282,9 @@ void PieceBound::of_successors_by_pieces(SetView open, double here, std::span<co
 
 bool PieceBound::single_part_is_best(std::size_t parts) const {
   if (!sizes_ || parts < 2) return true;
-  const double best = gains_.by_size(parts);
-  return gains_.gain(1, parts - 1) + gains_.by_size(parts - 1) >=
-         best - kRewardTolerance * std::max(1.0, std::abs(gains_.gain(1, parts - 1)));
+  const double best = gains_->by_size(parts);
+  return gains_->gain(1, parts - 1) + gains_->by_size(parts - 1) >=
+         best - kRewardTolerance * std::max(1.0, std::abs(gains_->gain(1, parts - 1)));
 }
 
 void PieceBound::add_change(SetView open, std::span<Action> actions) {

@@ -34,12 +34,16 @@ class PieceBound final : public Bound {
  public:
   enum class Kind { Sizes, Parts, Both };
 
-  PieceBound(const TransitionSystem& system, Kind kind);
+  /// What was worked out for `like`, a bound of the same system, is shared with it.
+  PieceBound(const TransitionSystem& system, Kind kind, const PieceBound* like = nullptr);
+  /// With `gains` of the system.
+  PieceBound(const TransitionSystem& system, Kind kind, std::shared_ptr<const PieceGains> gains);
   ~PieceBound() override;
 
   [[nodiscard]] bool known() const override { return known_; }
+  [[nodiscard]] const std::shared_ptr<const PieceGains>& gains() const { return gains_; }
   /// Whether it tells connections apart (CutTrees).
-  [[nodiscard]] bool sees_connections() const { return known_ && gains_.trees().any(); }
+  [[nodiscard]] bool sees_connections() const { return known_ && gains_->trees().any(); }
   [[nodiscard]] double operator()(SetView open) override;
   void of_successors(SetView open, double here, std::span<const Action> actions,
                      std::span<double> bounds) override;
@@ -64,7 +68,7 @@ class PieceBound final : public Bound {
   void of_successors_by_pieces(SetView open, double here, std::span<const Action> actions,
                                std::span<double> bounds);
 
-  PieceGains gains_;
+  std::shared_ptr<const PieceGains> gains_;
   bool sizes_ = false;
   bool parts_ = false;
   bool known_ = false;

@@ -35,7 +35,9 @@ class PieceGains {
   /// by what is moved where moving more costs more.
   static constexpr std::size_t kMostPartsInTable = 4096;
 
-  explicit PieceGains(const TransitionSystem& system);
+  /// `most_sets`: the most that SmallPieces lists.
+  explicit PieceGains(const TransitionSystem& system,
+                      std::size_t most_sets = SmallPieces::kMostSets);
 
   /// False where the objective sees more than the piece, and where steps make connections.
   [[nodiscard]] bool known() const { return known_; }

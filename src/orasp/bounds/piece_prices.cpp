@@ -259,7 +259,7 @@ bool no_cut_gains(const PiecePrices::GainBySizes& gain, std::size_t parts) {
 }  // namespace
 
 PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartUnits& units,
-                         std::size_t most_moved, const GainBySizes& gain) {
+                         std::size_t most_moved, const GainBySizes& gain, std::size_t most_sets) {
   const std::size_t parts = problem.num_parts();
   prices_.assign(parts, -kInfinity);
   if (parts == 0) return;
@@ -284,7 +284,8 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
         larger = std::max(larger, gain(std::min(a, b), std::max(a, b)));
     }
     for (double& price : prices_) price = std::max(price, larger);
-    if (!units.any() && no_cut_gains(gain, parts)) pieces_ = SmallPieces(expander, problem);
+    if (!units.any() && no_cut_gains(gain, parts))
+      pieces_ = SmallPieces(expander, problem, SmallPieces::kMostListed, most_sets);
   } else if (most > 1 && !units.any()) {
     if (auto sets = list_moved_sets(expander, problem, graph, most_moved, small_)) {
       prices_ = CoveringPrices(std::move(*sets), parts).find();

@@ -1,6 +1,7 @@
 #include "orasp/bounds/small_pieces.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -11,9 +12,8 @@ namespace orasp {
 
 namespace {
 
-/// Most listed sets, and most ways to part them in two, over all sets.
-constexpr std::size_t kMostSets = 30'000;
-constexpr std::size_t kMostCuts = 1'500'000;
+/// For each set that may be listed, so many ways to part a set in two, over all sets.
+constexpr std::size_t kCutsPerSet = 300;
 
 /// A row of the linear program: what the parts cost together is at most `room`.
 struct Row {
@@ -48,7 +48,7 @@ class PackedCosts {
     if (scale <= 0) return best;
     Costs slope(costs.size(), 1.0);
     const auto work = std::max<std::size_t>(rows_.size(), 1);
-    const auto iterations = std::clamp<std::size_t>(20'000'000 / work, 200, 3000);
+    const auto iterations = std::clamp<std::size_t>(60'000'000 / work, 200, 3000);
     constexpr std::size_t kBetweenRepairs = 50;
     for (std::size_t i = 0; i < iterations; ++i) {
       step_up(costs, slope, 0.05 * scale / (1 + 0.02 * static_cast<double>(i)));
@@ -108,6 +108,40 @@ SmallPieces::Key SmallPieces::key_of(std::span<const PartIndex> sorted) {
   return key;
 }
 
+void SmallPieces::KeyIndex::fill(std::size_t slots) {
+  slots_.assign(slots, 0);
+  for (std::uint32_t number = 0; number < keys_.size(); ++number) {
+    std::size_t i = hash(keys_[number]) & (slots - 1);
+    while (slots_[i] != 0) i = (i + 1) & (slots - 1);
+    slots_[i] = number + 1;
+  }
+}
+
+auto SmallPieces::KeyIndex::insert(const Key& key) -> Inserted {
+  if (2 * keys_.size() >= slots_.size()) fill(std::max<std::size_t>(64, 2 * slots_.size()));
+  std::size_t i = hash(key) & (slots_.size() - 1);
+  for (; slots_[i] != 0; i = (i + 1) & (slots_.size() - 1)) {
+    if (keys_[slots_[i] - 1] == key) return {slots_[i] - 1, false};
+  }
+  keys_.push_back(key);
+  slots_[i] = static_cast<std::uint32_t>(keys_.size());
+  return {slots_[i] - 1, true};
+}
+
+std::uint32_t SmallPieces::KeyIndex::find(const Key& key) const {
+  if (slots_.empty()) return kAbsent;
+  for (std::size_t i = hash(key) & (slots_.size() - 1); slots_[i] != 0;
+       i = (i + 1) & (slots_.size() - 1)) {
+    if (keys_[slots_[i] - 1] == key) return slots_[i] - 1;
+  }
+  return kAbsent;
+}
+
+void SmallPieces::KeyIndex::shrink(std::size_t size) {
+  keys_.resize(size);
+  fill(slots_.size());
+}
+
 /// Lists the connected sets, smaller ones first, and works out the value of each.
 class SmallPieces::Lister {
  public:
@@ -133,10 +167,11 @@ class SmallPieces::Lister {
         costs_(expander.least_extra_costs()) {}
 
   /// The greatest size of which all sets are listed.
-  std::size_t list(std::size_t most) {
+  std::size_t list(std::size_t most, std::size_t most_sets) {
+    most_sets_ = most_sets;
     for (PartIndex part = 0; part < graph_.num_parts(); ++part) {
       const std::array<PartIndex, 1> alone = {part};
-      place_.emplace(key_of(alone), static_cast<std::uint32_t>(sets_.size()));
+      place_.insert(key_of(alone));
       add(alone);
     }
     std::size_t begin = 0;
@@ -145,8 +180,10 @@ class SmallPieces::Lister {
     while (size < most && size < graph_.num_parts()) {
       const std::size_t end = sets_.size();
       for (std::size_t s = begin; s < end; ++s) {
-        if (!grow(s) || cuts + ((sets_.size() - end) << size) > kMostCuts) {
+        if (!grow(s) || cuts + ((sets_.size() - end) << size) > most_sets * kCutsPerSet) {
+          cut_short_ = true;
           sets_.resize(end);
+          place_.shrink(end);
           return size;
         }
       }
@@ -175,6 +212,8 @@ class SmallPieces::Lister {
   }
 
   [[nodiscard]] const std::vector<ListedSet>& sets() const { return sets_; }
+  [[nodiscard]] bool cut_short() const { return cut_short_; }
+  [[nodiscard]] KeyIndex take_places() && { return std::move(place_); }
 
  private:
   void add(std::span<const PartIndex> parts) {
@@ -196,13 +235,37 @@ class SmallPieces::Lister {
         std::copy(set.parts.begin() + at, set.parts.begin() + static_cast<std::ptrdiff_t>(set.size),
                   more.begin() + at + 1);
         const std::span<const PartIndex> parts(more.data(), set.size + 1);
-        const auto index = static_cast<std::uint32_t>(sets_.size());
-        if (!place_.try_emplace(key_of(parts), index).second) continue;
-        if (sets_.size() >= kMostSets) return false;
+        if (!place_.insert(key_of(parts)).is_new) continue;
+        if (sets_.size() >= most_sets_) return false;
         add(parts);
       }
     }
     return true;
+  }
+
+  /// For each part of `set` those of it that are next to it, as bits by their places.
+  [[nodiscard]] std::array<std::uint32_t, kMostListed> around_within(const ListedSet& set) const {
+    std::array<std::uint32_t, kMostListed> around{};
+    for (std::size_t i = 0; i < set.size; ++i) {
+      for (const auto& half : graph_.around(set.parts[i])) {
+        const auto found = std::ranges::lower_bound(set.all(), half.other);
+        if (found == set.all().end() || *found != half.other) continue;
+        around[i] |= 1U << static_cast<std::uint32_t>(found - set.all().begin());
+      }
+    }
+    return around;
+  }
+  [[nodiscard]] static bool connected(std::uint32_t mask,
+                                      const std::array<std::uint32_t, kMostListed>& around) {
+    std::uint32_t reached = mask & (~mask + 1);
+    for (std::uint32_t front = reached; front != 0;) {
+      std::uint32_t next = 0;
+      for (; front != 0; front &= front - 1)
+        next |= around[static_cast<std::size_t>(std::countr_zero(front))];
+      front = next & mask & ~reached;
+      reached |= front;
+    }
+    return reached == mask;
   }
 
   /// The greatest over the cuts of `set`; and to `implied` the least room of two sets that make it
@@ -212,20 +275,20 @@ class SmallPieces::Lister {
     double best_of_all = -kInfinity;
     std::array<PartIndex, kMostListed> a{};
     std::array<PartIndex, kMostListed> b{};
+    const std::array<std::uint32_t, kMostListed> around = around_within(set);
+    const std::uint32_t all = (1U << set.size) - 1;
     // The side of the last part is B, so that each cut comes once.
     for (std::uint32_t mask = 1; mask < (1U << (set.size - 1)); ++mask) {
+      if (!connected(mask, around) || !connected(all & ~mask, around)) continue;
       std::size_t in_a = 0;
       std::size_t in_b = 0;
       for (std::size_t i = 0; i < set.size; ++i)
         (((mask >> i) & 1U) != 0 ? a[in_a++] : b[in_b++]) = set.parts[i];
       const std::span<const PartIndex> side_a(a.data(), in_a);
       const std::span<const PartIndex> side_b(b.data(), in_b);
-      const auto found_a = place_.find(key_of(side_a));
-      if (found_a == place_.end()) continue;
-      const auto found_b = place_.find(key_of(side_b));
-      if (found_b == place_.end()) continue;
-      const ListedSet& first = sets_[found_a->second];
-      const ListedSet& second = sets_[found_b->second];
+      // All connected sets of these sizes are listed.
+      const ListedSet& first = sets_[place_.find(key_of(side_a))];
+      const ListedSet& second = sets_[place_.find(key_of(side_b))];
       implied = std::min(implied, first.room + second.room);
       const double apart = first.value + second.value;
       double most = -kInfinity;
@@ -252,20 +315,25 @@ class SmallPieces::Lister {
   detail::AssemblyGraph graph_;
   std::vector<double> costs_;  ///< what connections cost beside the bound (CutTrees)
   std::vector<ListedSet> sets_;
-  std::unordered_map<Key, std::uint32_t, KeyHash> place_;
+  std::size_t most_sets_ = 0;
+  bool cut_short_ = false;
+  KeyIndex place_;  ///< of each set in sets_
 };
 
-SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed) {
-  static_assert(kMostListed <= 8, "a key holds eight parts");
+SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed,
+                         std::size_t most_sets) {
+  static_assert(kMostListed <= 12, "a key holds twelve parts");
   const std::size_t parts = problem.num_parts();
   if (parts < 2) return;
   Lister lister(expander, problem);
-  const std::size_t largest = lister.list(std::min(most_listed, kMostListed));
+  const std::size_t largest = lister.list(std::min(most_listed, kMostListed), most_sets);
+  cut_short_ = lister.cut_short();
   std::vector<Row> rows = lister.measure(largest);
   for (const Lister::ListedSet& set : lister.sets()) {
     if (!std::isfinite(set.value) || !std::isfinite(set.room)) return;
-    if (set.size > 1) values_.emplace(key_of(set.all()), set.value);
+    values_.push_back(set.value);
   }
+  listed_ = std::move(lister).take_places();
   prices_.assign(parts, 0);
   if (largest < parts) {
     prices_ = PackedCosts(std::move(rows), parts).find();
@@ -284,8 +352,8 @@ double SmallPieces::bound(std::span<const PartIndex> piece) const {
       for (; at > 0 && sorted[at - 1] > part; --at) sorted[at] = sorted[at - 1];
       sorted[at] = part;
     }
-    const auto found = values_.find(key_of({sorted.data(), piece.size()}));
-    return found == values_.end() ? kInfinity : found->second;
+    const std::uint32_t found = listed_.find(key_of({sorted.data(), piece.size()}));
+    return found == KeyIndex::kAbsent ? kInfinity : values_[found];
   }
   double sum = 0;
   for (const PartIndex part : piece) sum += prices_[part];

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "orasp/model/transition_system.h"
@@ -39,32 +39,62 @@ namespace orasp {
 /// Guarantee.  Never below what the cuts of a piece can gain. Precedence, blocking between pieces
 ///             and max_subassemblies only take cuts away. A listed piece that blocking or limits
 ///             leave no cut counts all its cuts: the searches find the dead end.
-/// Cost.       K is the greatest, 8 at most, for which the sets are few enough to be listed in some
-///             tenths of a second. O(parts) a piece.
+/// Cost.       K is the greatest, 12 at most, for which the sets are few enough to be listed in
+///             some tenths of a second; with kManySets in some seconds. O(parts) a piece.
 class SmallPieces {
  public:
-  static constexpr std::size_t kMostListed = 8;
+  static constexpr std::size_t kMostListed = 12;
+  /// At most so many sets are listed; and where there is more time.
+  static constexpr std::size_t kMostSets = 200'000;
+  static constexpr std::size_t kManySets = 1'000'000;
 
   SmallPieces() = default;
   /// No cut may gain more than 0. Pieces of at most `most_listed` parts are listed.
-  SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed = kMostListed);
+  SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed = kMostListed,
+              std::size_t most_sets = kMostSets);
 
   [[nodiscard]] bool known() const { return largest_ > 0; }
   [[nodiscard]] double bound(std::span<const PartIndex> piece) const;
+  /// Whether larger sets were too many to be listed.
+  [[nodiscard]] bool more_could_be_listed() const { return cut_short_; }
 
  private:
   /// The parts of a set in rising order, each plus 1 and in 16 bits.
-  using Key = std::array<std::uint64_t, 2>;
-  struct KeyHash {
-    std::size_t operator()(const Key& key) const noexcept {
-      const std::uint64_t mixed = (key[0] ^ (key[1] * 0x9E3779B97F4A7C15U)) * 0xD6E8FEB86659FD93U;
-      return static_cast<std::size_t>(mixed ^ (mixed >> 32U));
-    }
-  };
+  using Key = std::array<std::uint64_t, 3>;
   static Key key_of(std::span<const PartIndex> sorted);
 
+  /// Keys, each with a number from 0 in the order in which they came: open addressing.
+  class KeyIndex {
+   public:
+    static constexpr std::uint32_t kAbsent = 0xffffffffU;
+    struct Inserted {
+      std::uint32_t number;
+      bool is_new;
+    };
+    Inserted insert(const Key& key);
+    [[nodiscard]] std::uint32_t find(const Key& key) const;
+    /// Forgets all keys from the number `size` on.
+    void shrink(std::size_t size);
+
+   private:
+    static std::size_t hash(const Key& key) {
+      const std::uint64_t mixed =
+          (key[0] ^ key[1] * 0x9E3779B97F4A7C15U ^ std::rotl(key[2], 29) * 0xC2B2AE3D27D4EB4FU) *
+          0xD6E8FEB86659FD93U;
+      return static_cast<std::size_t>(mixed ^ (mixed >> 32U));
+    }
+    void fill(std::size_t slots);
+
+    std::vector<Key> keys_;
+    /// A number plus 1; 0 where there is none. At most half full.
+    std::vector<std::uint32_t> slots_;
+  };
+
   std::size_t largest_ = 0;
-  std::unordered_map<Key, double, KeyHash> values_;
+  bool cut_short_ = false;
+  KeyIndex listed_;
+  /// By number: the value of each listed set.
+  std::vector<double> values_;
   std::vector<double> prices_;
 
   class Lister;

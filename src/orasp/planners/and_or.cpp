@@ -212,21 +212,24 @@ std::unique_ptr<detail::AnyRounds> make_rounds(const detail::PieceProblem& piece
 }  // namespace
 
 struct AndOrTurns::Work {
-  Work(const TransitionSystem& system, const Budget& budget)
-      : pieces(system), rounds(pieces.gains.known() ? make_rounds(pieces, budget) : nullptr) {}
+  Work(const TransitionSystem& system, const Budget& budget,
+       std::shared_ptr<const PieceGains> gains)
+      : pieces(system, std::move(gains)),
+        rounds(pieces.gains.known() ? make_rounds(pieces, budget) : nullptr) {}
   detail::PieceProblem pieces;
   std::unique_ptr<detail::AnyRounds> rounds;
   Statistics told;
 };
 
-AndOrTurns::AndOrTurns(const TransitionSystem& system, const Budget& budget)
-    : system_(system), budget_(budget) {}
+AndOrTurns::AndOrTurns(const TransitionSystem& system, const Budget& budget,
+                       std::shared_ptr<const PieceGains> gains)
+    : system_(system), budget_(budget), gains_(std::move(gains)) {}
 AndOrTurns::~AndOrTurns() = default;
 
 Result AndOrTurns::next(std::uint64_t rounds, double known_reward) {
   Result result;
   try {
-    if (!work_) work_ = std::make_unique<Work>(system_, budget_);
+    if (!work_) work_ = std::make_unique<Work>(system_, budget_, gains_);
     if (!work_->rounds) return {};
     result = work_->rounds->next(rounds, known_reward);
   } catch (const InputError&) {

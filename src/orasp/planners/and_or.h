@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "orasp/bounds/piece_gains.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
@@ -61,8 +62,9 @@ struct AndOrOptions {
 /// for the next one. Only where and_or_obstacle() has nothing against it, no part steps.
 class AndOrTurns {
  public:
-  /// Both must outlive it.
-  AndOrTurns(const TransitionSystem& system, const Budget& budget);
+  /// Both must outlive it. `gains` are those of the system where they are known already.
+  AndOrTurns(const TransitionSystem& system, const Budget& budget,
+             std::shared_ptr<const PieceGains> gains = nullptr);
   AndOrTurns(const AndOrTurns&) = delete;
   AndOrTurns& operator=(const AndOrTurns&) = delete;
   ~AndOrTurns();
@@ -76,6 +78,7 @@ class AndOrTurns {
   struct Work;
   const TransitionSystem& system_;
   const Budget& budget_;
+  std::shared_ptr<const PieceGains> gains_;
   std::unique_ptr<Work> work_;
 };
 

@@ -50,8 +50,21 @@ constexpr std::uint64_t kTurnsBeforeDense = 3;
 /// pieces then are worth the same, so that a depth-first search is quicker.
 constexpr std::uint64_t kTurnsBeforePieces = 5;
 
+/// After so many turns larger pieces are listed for the bound.
+constexpr std::uint64_t kTurnsBeforeMany = 1;
+
 double seconds_left(const Budget& budget) {
   return std::chrono::duration<double>(*budget.deadline - Budget::Clock::now()).count();
+}
+
+/// Whether the bound gains by larger pieces (SmallPieces), whose listing takes some seconds and
+/// some hundred MiB.
+bool more_is_worth_listing(const PieceBound& pieces, const Budget& budget) {
+  constexpr double kSecondsForMany = 8;
+  constexpr std::uint64_t kBytesForMany = std::uint64_t{1} << 30U;
+  if (!pieces.known() || !pieces.gains()->prices().more_could_be_listed()) return false;
+  if (allowed_bytes(budget) < kBytesForMany) return false;
+  return !budget.deadline || seconds_left(budget) >= kSecondsForMany;
 }
 
 /// About how long dense value iteration takes, on the safe side (docs/performance.md: 14 to 28 ns
@@ -137,12 +150,12 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 
   // A plan that meets the bound, at any size.
   if (system.num_connections() > detail::kManyConnections) findings.add(detail::quick_plan(system));
-  PieceBound pieces(system, PieceBound::Kind::Both);
-  if (pieces.known()) {
-    findings.lower(pieces(start.view()));
+  auto pieces = std::make_unique<PieceBound>(system, PieceBound::Kind::Both);
+  if (pieces->known()) {
+    findings.lower((*pieces)(start.view()));
     if (!findings.settled() && system.num_connections() > detail::kManyConnections)
-      findings.add(detail::peeled_plan(system, pieces, first));
-    if (!findings.settled()) findings.add(plan_at_bound(system, pieces, first));
+      findings.add(detail::peeled_plan(system, *pieces, first));
+    if (!findings.settled()) findings.add(plan_at_bound(system, *pieces, first));
     if (findings.settled())
       return findings.answer(Stop::None,
                              "the plan earns as much as the bound on its pieces allows");
@@ -152,16 +165,16 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   // Piece by piece, a short look.
   const bool by_pieces = !and_or_obstacle(system);
   bool pieces_ended = !by_pieces;
-  AndOrTurns turns(system, budget);
+  auto turns = std::make_unique<AndOrTurns>(system, budget, pieces->gains());
   const auto look_at_pieces = [&] {
     const Result result =
-        turns.next(2, findings.best().has_plan() ? findings.best().reward : -kInfinity);
+        turns->next(2, findings.best().has_plan() ? findings.best().reward : -kInfinity);
     findings.add(result);
     if (result.stop == Stop::None) pieces_ended = true;
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
   };
   Stop stop = Stop::None;
-  if (by_pieces && !pieces.sees_connections()) {
+  if (by_pieces && !pieces->sees_connections()) {
     stop = look_at_pieces();
     if (findings.settled() || stop != Stop::None)
       return findings.answer(stop, "and-or, since the objective sees the piece only");
@@ -184,35 +197,46 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 
   // In turn until the limit, each turn four times as long as the one before.
   std::string how =
-      pieces.sees_connections() ? "orasp-search, beam and and-or in turn, since the state-action "
-                                  "graph is too large to build"
+      pieces->sees_connections() ? "orasp-search, beam and and-or in turn, since the state-action "
+                                   "graph is too large to build"
       : by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
                   : "beam, since the state-action graph is too large to build";
   bool may_be_dense = dense_values_safe(forwards) && dense_table_fits(forwards, budget);
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
+    if (turn == kTurnsBeforeMany && more_is_worth_listing(*pieces, budget)) {
+      pieces = std::make_unique<PieceBound>(
+          system, PieceBound::Kind::Both,
+          std::make_shared<const PieceGains>(system, SmallPieces::kManySets));
+      findings.lower((*pieces)(start.view()));
+      if (findings.settled()) break;
+      turns = std::make_unique<AndOrTurns>(system, budget, pieces->gains());
+    }
     Budget some = budget;
     if (!pieces_ended) {
       some.max_expansions = kFirstTurn << std::min<std::uint64_t>(2 * turn, 40);
       some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
     }
-    if (pieces.sees_connections()) {
+    if (pieces->sees_connections()) {
       // Pieces and layers tell states apart that promise the same here; a depth-first search sees
       // by the bound that most of them cannot be better.
-      const Result deep = orasp_search(system, {.incumbent = &findings.best()}, some);
+      const Result deep =
+          orasp_search(system, {.like = pieces.get(), .incumbent = &findings.best()}, some);
       findings.add(deep);
       if (deep.status == Status::Optimal) break;
       if (deep.stop != Stop::ExpansionLimit) stop = deep.stop;
       if (findings.settled() || stop != Stop::None) break;
     }
     const Result passes =
-        beam(system, {.incumbent = &findings.best(), .most = *findings.best().bound}, some);
+        beam(system,
+             {.like = pieces.get(), .incumbent = &findings.best(), .most = *findings.best().bound},
+             some);
     findings.add(passes);
     stop = passes.stop == Stop::ExpansionLimit && some.max_expansions < budget.max_expansions
                ? Stop::None
                : passes.stop;
     if (findings.settled() || stop != Stop::None) break;
     if (passes.status == Status::Optimal) break;
-    if (!pieces_ended && (turn >= kTurnsBeforePieces || !pieces.sees_connections()))
+    if (!pieces_ended && (turn >= kTurnsBeforePieces || !pieces->sees_connections()))
       stop = look_at_pieces();
     if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())
       continue;

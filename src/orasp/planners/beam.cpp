@@ -46,7 +46,8 @@ class BeamSearch {
     for (Worker& worker : workers_) {
       worker.expander = std::make_unique<Expander>(system);
       if (crew_ != nullptr) worker.found_for.resize(crew_->size());
-      worker.bound = make_bound(system, options.bound, workers_.front().bound.get());
+      const Bound* const made = workers_.front().bound.get();
+      worker.bound = make_bound(system, options.bound, made != nullptr ? made : options.like);
     }
     bounded_ = workers_.front().bound->known();
     const StartByPlaces by_places = start_by_places(*workers_.front().bound);

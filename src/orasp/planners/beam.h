@@ -15,6 +15,8 @@ class Crew;
 
 struct BeamOptions {
   BoundKind bound = BoundKind::Best;
+  /// A bound of the same system, whose prices serve again; it must outlive the call.
+  const Bound* like = nullptr;
   /// A plan to start from; it must outlive the call.
   const Result* incumbent = nullptr;
   /// A bound on what any plan earns that is proved already.

@@ -244,7 +244,7 @@ constexpr std::uint64_t kOrderRounds = 20;
 Result searched(const TransitionSystem& system, const OraspSearchOptions& options,
                 const Budget& budget) {
   if (auto result = detail::infeasible_at_once(system, "orasp-search")) return *result;
-  const std::unique_ptr<Bound> bound = make_bound(system, options.bound);
+  const std::unique_ptr<Bound> bound = make_bound(system, options.bound, options.like);
   if (auto reason = detail::bound_obstacle(*bound, system, options.bound))
     throw Refusal("orasp-search", *reason);
   Result result;

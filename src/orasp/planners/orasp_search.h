@@ -15,6 +15,8 @@ struct OraspSearchOptions {
   std::uint64_t seed = 1;
   /// The bound on what is left; None is that of the paper.
   BoundKind bound = BoundKind::Best;
+  /// A bound of the same system, whose prices serve again; it must outlive the call.
+  const Bound* like = nullptr;
   /// A result of the same problem: its plan is the first incumbent instead.
   const Result* incumbent = nullptr;
   SymmetryUse symmetry = SymmetryUse::Off;

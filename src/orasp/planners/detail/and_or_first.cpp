@@ -2,8 +2,13 @@
 
 namespace orasp::detail {
 
-PieceProblem::PieceProblem(const TransitionSystem& the_system)
-    : system(the_system), gains(the_system), graph(the_system.problem()) {
+PieceProblem::PieceProblem(const TransitionSystem& the_system,
+                           std::shared_ptr<const PieceGains> the_gains)
+    : system(the_system),
+      shared_gains(the_gains ? std::move(the_gains)
+                             : std::make_shared<const PieceGains>(the_system)),
+      gains(*shared_gains),
+      graph(the_system.problem()) {
   if (!system.completes_first() || !gains.known()) return;
   FirstSteps& steps = first.emplace();
   Expander expander(system);

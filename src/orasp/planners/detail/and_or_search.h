@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -45,10 +46,12 @@ struct FirstSteps {
 
 /// What all searches of one problem share; none of them changes it.
 struct PieceProblem {
-  explicit PieceProblem(const TransitionSystem& the_system);
+  /// With `the_gains` of the system, or null where they are not known yet.
+  PieceProblem(const TransitionSystem& the_system, std::shared_ptr<const PieceGains> the_gains);
 
   const TransitionSystem& system;
-  PieceGains gains;
+  std::shared_ptr<const PieceGains> shared_gains;
+  const PieceGains& gains;
   AssemblyGraph graph;
   std::optional<FirstSteps> first;
 };
@@ -62,8 +65,8 @@ struct PieceProblem {
 /// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
 /// search takes too long, and_or_first.cpp what changes where the first step completes,
-/// and_or_stored.cpp the search where the cuts of a piece are listed once and kept,
-/// and_or_sequence.cpp the steps of a plan.
+/// and_or_hubs.cpp what a hub costs beyond sizes, and_or_stored.cpp the search where the cuts of a
+/// piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
 template <std::size_t kWords>
 class AndOrSearch {
  public:
@@ -179,10 +182,21 @@ class AndOrSearch {
                                        double limit, std::size_t begin, double skipped);
   std::pair<double, bool> loss_with(const Cut& cut, const std::array<Half, 2>& halves,
                                     double limit);
-  double first_loss(const Set& piece, std::size_t parts);
-  std::size_t arms(const Set& piece);
   void close_precedence();
   void poll();
+
+  // and_or_hubs.cpp
+  /// Of all parts of a piece: the most components that the piece falls into without one, and the
+  /// fewest parts that the largest of them has.
+  struct Hubs {
+    std::size_t arms;
+    std::size_t reach;
+  };
+  static constexpr std::size_t kMostPartsWithReach = 512;
+  double first_loss(const Set& piece, std::size_t parts);
+  double by_reach(std::size_t parts, std::size_t reach);
+  Hubs hubs(const Set& piece, std::size_t parts);
+  Hubs hubs_of_tree(const Set& piece, std::size_t parts);
 
   // and_or_stored.cpp
   std::uint32_t node_of(const Set& set, std::size_t parts);
@@ -381,6 +395,8 @@ class AndOrSearch {
   std::vector<PartIndex> queue_;
   std::vector<std::uint32_t> met_;
   std::vector<std::uint32_t> low_;
+  /// by_reach(), by reach and parts, as far as it was asked for.
+  std::vector<std::vector<double>> by_reach_;
   std::vector<PartIndex> upper_list_;
   std::vector<PartIndex> side_list_;
   std::vector<PartIndex> rest_list_;

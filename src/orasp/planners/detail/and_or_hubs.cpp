@@ -1,0 +1,121 @@
+#include "orasp/planners/detail/and_or_search.h"
+
+namespace orasp::detail {
+
+/// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more
+/// than sizes tell.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
+  if (!gains_.sizes_known() || parts < 3) return unknown_loss();
+  const double here = upper(piece, parts) + tree(piece);
+  // A star has the most arms; where even that loses nothing, they need not be counted.
+  const double of_star = gains_.by_arms(parts, parts - 1);
+  if (std::isfinite(of_star) && here <= of_star) return 0;
+  const Hubs found = graph_.is_forest() ? hubs_of_tree(piece, parts) : hubs(piece, parts);
+  double most = gains_.by_arms(parts, found.arms);
+  if (parts <= kMostPartsWithReach && 2 * found.reach < parts)
+    most = std::min(most, by_reach(parts, found.reach));
+  return std::max(0.0, here - most - slack(scale_));
+}
+
+/// The bound by sizes of a piece that has a part v without which no component has more than
+/// `reach` parts. The side of a cut without v lies in one of them, so
+///
+///     h(n) = max over a <= reach of gain(a, n - a) + g(a) + h(n - a),   h(1) = 0.
+///
+/// O(parts * reach), once for each `reach`.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::by_reach(std::size_t parts, std::size_t reach) {
+  if (by_reach_.size() <= reach) by_reach_.resize(reach + 1);
+  std::vector<double>& best = by_reach_[reach];
+  if (best.empty()) best.assign(2, 0.0);
+  for (std::size_t n = best.size(); n <= parts; ++n) {
+    best.push_back(-kInfinity);
+    for (std::size_t a = 1; a <= std::min(reach, n - 1); ++a) {
+      const double gain = gains_.gain(std::min(a, n - a), std::max(a, n - a));
+      best[n] = std::max(best[n], gain + gains_.by_size(a) + best[n - a]);
+    }
+  }
+  return best[parts];
+}
+
+/// The same as hubs() where the connections form no cycle.
+template <std::size_t kWords>
+auto AndOrSearch<kWords>::hubs_of_tree(const Set& piece, std::size_t parts) -> Hubs {
+  Hubs found{1, parts - 1};
+  piece.for_each([&](std::size_t part) {
+    const Set around = neighbours_[part] & piece;
+    found.arms = std::max(found.arms, around.size());
+    const std::size_t below = (below_[part] & piece).size();
+    std::size_t largest = parts - below;
+    around.for_each([&](std::size_t other) {
+      if (parent_[other] == part) largest = std::max(largest, (below_[other] & piece).size());
+    });
+    found.reach = std::min(found.reach, largest);
+  });
+  return found;
+}
+
+/// Reference: articulation points by depth-first search, Hopcroft and Tarjan (1973), Comm. ACM
+/// 16(6), 372-378.
+template <std::size_t kWords>
+auto AndOrSearch<kWords>::hubs(const Set& piece, std::size_t parts) -> Hubs {
+  Hubs found{1, parts - 1};
+  constexpr std::uint32_t kUnmet = 0;
+  met_.assign(problem_.num_parts(), kUnmet);
+  low_.resize(problem_.num_parts());
+  /// A part on the path; of the components that hang on it alone their number, the largest, and all
+  /// their parts; and the parts at and below it.
+  struct Frame {
+    PartIndex part;
+    PartIndex from;
+    std::uint32_t next;
+    std::size_t arms;
+    std::size_t largest;
+    std::size_t cut_off;
+    std::size_t below;
+  };
+  std::vector<Frame> path;
+  std::uint32_t time = 0;
+  const auto enter = [&](PartIndex part, PartIndex from) {
+    met_[part] = low_[part] = ++time;
+    path.push_back({part, from, 0, 0, 0, 0, 1});
+  };
+  enter(static_cast<PartIndex>(piece.first()), SpanningForest::kNoPart);
+  while (!path.empty()) {
+    Frame& frame = path.back();
+    const auto around = graph_.around(frame.part);
+    if (frame.next < around.size()) {
+      const PartIndex other = around[frame.next++].other;
+      if (!piece.contains(other) || other == frame.from) continue;
+      if (met_[other] == kUnmet) {
+        enter(other, frame.part);
+      } else {
+        low_[frame.part] = std::min(low_[frame.part], met_[other]);
+      }
+      continue;
+    }
+    const Frame done = frame;
+    const std::size_t others = parts - 1 - done.cut_off;
+    found.arms = std::max(found.arms, done.arms + (others > 0 ? 1 : 0));
+    found.reach = std::min(found.reach, std::max(done.largest, others));
+    path.pop_back();
+    if (path.empty()) break;
+    Frame& above = path.back();
+    above.below += done.below;
+    low_[above.part] = std::min(low_[above.part], low_[done.part]);
+    if (low_[done.part] < met_[above.part]) continue;
+    ++above.arms;
+    above.cut_off += done.below;
+    above.largest = std::max(above.largest, done.below);
+  }
+  return found;
+}
+
+template double AndOrSearch<1>::first_loss(const Set&, std::size_t);
+template double AndOrSearch<2>::first_loss(const Set&, std::size_t);
+template double AndOrSearch<4>::first_loss(const Set&, std::size_t);
+template double AndOrSearch<8>::first_loss(const Set&, std::size_t);
+template double AndOrSearch<16>::first_loss(const Set&, std::size_t);
+
+}  // namespace orasp::detail

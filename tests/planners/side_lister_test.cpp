@@ -1,0 +1,262 @@
+#include "orasp/planners/detail/side_lister.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "orasp/io/formula_parser.h"
+#include "orasp/model/random.h"
+#include "orasp/orasp.h"
+#include "tests/checks.h"
+
+namespace orasp {
+namespace {
+
+using Set = detail::PartSet<1>;
+
+constexpr std::size_t kPartsOfLocked = 8;
+
+/// Eight parts at random places, joined by a random tree and some more connections; some block
+/// others along some axes. In every fourth problem one part is a base part, in every fourth two.
+ProblemSpec locked_product(std::uint64_t seed, const std::string& objective) {
+  SplitMix64 random(seed);
+  ProblemSpec spec;
+  spec.name = "p" + std::to_string(seed);
+  for (std::size_t p = 0; p < kPartsOfLocked; ++p) {
+    Part part;
+    part.id = std::string(1, static_cast<char>('a' + p));
+    part.mass = 1 + random.uniform();
+    part.position = Vector3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
+    spec.parts.push_back(part);
+  }
+  const auto join = [&](std::size_t a, std::size_t b) {
+    Connection connection;
+    connection.id = std::to_string(spec.connections.size());
+    connection.parts = {spec.parts[a].id, spec.parts[b].id};
+    spec.connections.push_back(connection);
+  };
+  for (std::size_t p = 1; p < kPartsOfLocked; ++p) join(p, random.below(p));
+  for (std::size_t more = seed % 4; more > 0; --more) {
+    const std::size_t a = random.below(kPartsOfLocked - 1);
+    join(a, a + 1 + random.below(kPartsOfLocked - 1 - a));
+  }
+  if (seed % 3 != 0) {
+    Blocking& blocking = spec.blocking.emplace();
+    for (const char* axis : {"+x", "-x", "+y", "-y"}) blocking.directions.emplace_back(axis);
+    for (std::size_t i = 0; i < 10; ++i) {
+      const std::size_t a = random.below(kPartsOfLocked);
+      const std::size_t b = (a + 1 + random.below(kPartsOfLocked - 1)) % kPartsOfLocked;
+      Blocked blocked;
+      blocked.part = spec.parts[a].id;
+      blocked.by = spec.parts[b].id;
+      for (const char* axis : {"+x", "-x", "+y", "-y"}) {
+        if (random.below(3) == 0) blocked.directions.emplace_back(axis);
+      }
+      if (!blocked.directions.empty()) spec.blocking->blocked.push_back(blocked);
+    }
+  }
+  for (std::size_t base = seed % 4 < 3 ? seed % 4 : 0; base > 0; --base)
+    spec.base.push_back(spec.parts[base * 2].id);
+  spec.objective = Objective::named(objective);
+  return spec;
+}
+
+std::vector<Set> neighbours_in(const Problem& problem) {
+  std::vector<Set> neighbours(kPartsOfLocked);
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    neighbours[problem.ends(c)[0]].insert(problem.ends(c)[1]);
+    neighbours[problem.ends(c)[1]].insert(problem.ends(c)[0]);
+  }
+  return neighbours;
+}
+
+bool connected(const Set& set, const std::vector<Set>& neighbours) {
+  if (set.empty()) return false;
+  Set reached;
+  reached.insert(set.first());
+  for (Set before; before != reached;) {
+    before = reached;
+    before.for_each([&](std::size_t p) { reached = reached | (neighbours[p] & set); });
+  }
+  return reached == set;
+}
+
+/// By the words of the file: some direction along which no part of `a` is blocked by one of `b`.
+/// Two base parts never move, so that blocking does not matter between them.
+bool can_leave(const ProblemSpec& spec, const Set& a, const Set& b) {
+  if (!spec.blocking) return true;
+  const auto number = [](const std::string& id) { return static_cast<std::size_t>(id[0] - 'a'); };
+  bool base_in_a = false;
+  bool base_in_b = false;
+  for (const std::string& id : spec.base) {
+    base_in_a = base_in_a || a.contains(number(id));
+    base_in_b = base_in_b || b.contains(number(id));
+  }
+  if (base_in_a && base_in_b) return true;
+  for (const BlockingDirection& direction : spec.blocking->directions) {
+    std::string back = direction.id;
+    back[0] = back[0] == '+' ? '-' : '+';
+    bool free = true;
+    for (const Blocked& blocked : spec.blocking->blocked) {
+      const std::size_t part = number(blocked.part);
+      const std::size_t by = number(blocked.by);
+      for (const std::string& along : blocked.directions) {
+        if (along == direction.id && a.contains(part) && b.contains(by)) free = false;
+        if (along == back && a.contains(by) && b.contains(part)) free = false;
+      }
+    }
+    if (free) return true;
+  }
+  return false;
+}
+
+// Of every piece every pair of connected sides of which one can leave the other comes once. With
+// two base parts more may come, which who asks looks at again.
+TEST(SideLister, ListsEachWayToPartAPieceOnce) {
+  std::size_t ways = 0;
+  std::size_t forbidden = 0;
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const ProblemSpec spec = locked_product(seed, "time");
+    const Problem problem(spec);
+    const std::vector<Set> neighbours = neighbours_in(problem);
+    const detail::SideLister<1> sides(problem, neighbours);
+    for (std::uint64_t bits = 1; bits < std::uint64_t{1} << kPartsOfLocked; ++bits) {
+      const Set piece{{bits}};
+      if (piece.size() < 2 || !connected(piece, neighbours)) continue;
+      std::map<std::uint64_t, int> listed;
+      sides.list(
+          piece,
+          [&](const Set& a, const Set& b) {
+            ASSERT_EQ((a | b), piece);
+            ASSERT_TRUE((a & b).empty());
+            ASSERT_TRUE(a.contains(piece.first()));
+            ++listed[a.words[0]];
+          },
+          [] { return false; });
+      for (std::uint64_t side = bits; side != 0; side = (side - 1) & bits) {
+        const Set a{{side}};
+        const Set b = piece - a;
+        if (!a.contains(piece.first()) || !connected(a, neighbours) || !connected(b, neighbours)) {
+          ASSERT_EQ(listed.count(side), 0U);
+          continue;
+        }
+        const bool legal = can_leave(spec, a, b);
+        ways += legal ? 1 : 0;
+        forbidden += legal ? 0 : 1;
+        if (legal) {
+          ASSERT_EQ(listed[side], 1);
+        } else if (spec.base.size() < 2) {
+          ASSERT_EQ(listed.count(side), 0U);
+        }
+      }
+    }
+  }
+  EXPECT_GT(ways, 10'000U);
+  EXPECT_GT(forbidden, 1'000U);
+}
+
+TEST(SideLister, StopsWhenItIsTold) {
+  const Problem problem(locked_product(0, "time"));
+  const std::vector<Set> neighbours = neighbours_in(problem);
+  const detail::SideLister<1> sides(problem, neighbours);
+  std::size_t offered = 0;
+  sides.list(
+      Set{{(std::uint64_t{1} << kPartsOfLocked) - 1}}, [&](const Set&, const Set&) { ++offered; },
+      [&] { return offered >= 3; });
+  EXPECT_EQ(offered, 3U);
+}
+
+// Whole proofs against value iteration on all states, in both directions.
+TEST(AndOr, AgreesWithValueIterationOnProductsThatLockThemselves) {
+  std::size_t solved = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+      for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        SCOPED_TRACE(std::string(objective) + ", seed " + std::to_string(seed));
+        ProblemSpec spec = locked_product(seed, objective);
+        spec.direction = direction;
+        const Problem problem(spec);
+        const TransitionSystem system(problem);
+        const Result truth = value_iteration(system, {}, Budget{});
+        const Result found = and_or(system, {}, Budget{});
+        ASSERT_EQ(status_name(found.status), status_name(truth.status));
+        if (truth.status != Status::Optimal) continue;
+        ++solved;
+        ASSERT_NEAR(found.reward, truth.reward, 1e-9 * std::max(1.0, std::abs(truth.reward)));
+        ASSERT_TRUE(evaluate(problem, found.sequence).valid);
+      }
+    }
+  }
+  EXPECT_GT(solved, 80U);
+}
+
+// In turns, the bound of each holds, and none is lost. To know the best plan changes nothing.
+TEST(AndOr, KeepsWhatItProvedBetweenTurns) {
+  std::size_t turns_taken = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem problem(locked_product(seed, "travel"));
+    const TransitionSystem system(problem);
+    const Result truth = value_iteration(system, {}, Budget{});
+    if (truth.status != Status::Optimal) continue;
+    for (const double known : {-kInfinity, truth.reward, truth.reward - 1}) {
+      const Budget budget;
+      AndOrTurns turns(system, budget);
+      double before = kInfinity;
+      for (bool done = false; !done; ++turns_taken) {
+        const Result result = turns.next(1, known);
+        ASSERT_TRUE(result.bound.has_value());
+        ASSERT_GE(*result.bound, truth.reward - 1e-9);
+        ASSERT_LE(*result.bound, before);
+        before = *result.bound;
+        done = result.stop == Stop::None;
+      }
+      ASSERT_NEAR(before, truth.reward, 1e-9);
+    }
+  }
+  EXPECT_GE(turns_taken, 60U);
+}
+
+// A hub with chains of equal length on it: no cut takes more than a chain off it, which sizes alone
+// do not know. By hand for three chains of two parts: 7 + 5 + 3, and 2 for each chain.
+TEST(AndOr, KnowsThatNoCutTakesMoreThanAChainOffAHub) {
+  const auto hub = [](std::size_t chains, std::size_t length) {
+    ProblemSpec spec;
+    spec.name = "hub";
+    spec.parts.push_back({.id = "hub"});
+    for (std::size_t chain = 0; chain < chains; ++chain) {
+      for (std::size_t i = 0; i < length; ++i) {
+        const std::string id = std::to_string(chain) + "." + std::to_string(i);
+        const std::string before =
+            i == 0 ? "hub" : std::to_string(chain) + "." + std::to_string(i - 1);
+        spec.parts.push_back({.id = id});
+        Connection connection;
+        connection.parts = {before, id};
+        spec.connections.push_back(connection);
+      }
+    }
+    spec.objective = {"expression", Expression{.formula = "-separates*(moved_parts+kept_parts)",
+                                               .constants = {},
+                                               .depot = {},
+                                               .compiler = compile_formula}};
+    return Problem(spec);
+  };
+  const Problem small = hub(3, 2);
+  const Result result = and_or(TransitionSystem(small), {}, Budget{});
+  EXPECT_EQ(status_name(result.status), "optimal");
+  EXPECT_EQ(result.reward, -(7 + 5 + 3 + 3 * 2));
+  // Six chains of 21: 127 + 106 + 85 + 64 for the first four, and 94 for each of them; the hub is
+  // then in the middle of a chain of 43, which costs 237.
+  const Problem large = hub(6, 21);
+  const Result halved = and_or(TransitionSystem(large), {.rounds = 1}, Budget{});
+  EXPECT_EQ(status_name(halved.status), "optimal");
+  EXPECT_EQ(halved.reward, -(127 + 106 + 85 + 64 + 4 * 94 + 237));
+}
+
+}  // namespace
+}  // namespace orasp
