@@ -58,7 +58,7 @@ class Run:
         text = done.stdout
         if brief:
             status = re.search(r"^status +(\w+)", text.decode(), re.MULTILINE)
-            seconds = re.search(r"^effort .* ([\d.]+) s$", text.decode(), re.MULTILINE)
+            seconds = re.search(r"^effort .* ([\d.e-]+) s(?:,|$)", text.decode(), re.MULTILINE)
             self.plan = status and {"status": status[1], "statistics": {"seconds": float(seconds[1])}}
         else:
             self.plan = json.loads(text) if text else None

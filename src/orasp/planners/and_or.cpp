@@ -54,7 +54,7 @@ class AndOrRounds {
       if (all_cuts_.has_plan() && all_cuts_.reward > best_.reward) keep_plan(all_cuts_);
       if (!done && all_cuts_.stop == Stop::None) dive();
       const bool all_kept = search_.keeps_all_cuts();
-      if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_ && !all_kept)
+      if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_)
         peel(kFirstWidth * longer);
       Stop stop = all_cuts_.stop;
       if (!proved() && !done && stop == Stop::None && !all_kept && !pieces_.graph.is_forest())

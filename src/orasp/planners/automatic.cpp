@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -135,6 +137,34 @@ class Findings {
   bool infeasible_ = false;
 };
 
+/// Looks piece by piece, in turns. Where a turn hardly lowers the bound, the next one is shorter.
+class PieceTurns {
+ public:
+  PieceTurns(const TransitionSystem& system, const Budget& budget,
+             std::shared_ptr<const PieceGains> gains)
+      : turns_(system, budget, std::move(gains)) {}
+
+  /// What ended the turn if it was more than its length.
+  Stop look(Findings& findings) {
+    constexpr double kWorthwhile = 0.05;
+    const double reward = findings.best().has_plan() ? findings.best().reward : -kInfinity;
+    const double before = *findings.best().bound;
+    const Result result = turns_.next(rounds_, reward);
+    findings.add(result);
+    const bool lowered = before - *findings.best().bound >= kWorthwhile * (before - reward);
+    rounds_ = lowered || !std::isfinite(reward) ? 2 : 1;
+    if (result.stop == Stop::None) ended_ = true;
+    return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
+  }
+  /// Whether the search of pieces has come to its end.
+  [[nodiscard]] bool ended() const { return ended_; }
+
+ private:
+  AndOrTurns turns_;
+  std::uint64_t rounds_ = 2;
+  bool ended_ = false;
+};
+
 /// `system` is `forwards`, or that backwards, where more is known about what is still to come.
 Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
               const Budget& budget) {
@@ -165,13 +195,12 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   // Piece by piece, a short look.
   const bool by_pieces = !and_or_obstacle(system);
   bool pieces_ended = !by_pieces;
-  auto turns = std::make_unique<AndOrTurns>(system, budget, pieces->gains());
+  std::optional<PieceTurns> turns;
+  turns.emplace(system, budget, pieces->gains());
   const auto look_at_pieces = [&] {
-    const Result result =
-        turns->next(2, findings.best().has_plan() ? findings.best().reward : -kInfinity);
-    findings.add(result);
-    if (result.stop == Stop::None) pieces_ended = true;
-    return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
+    const Stop ended = turns->look(findings);
+    if (turns->ended()) pieces_ended = true;
+    return ended;
   };
   Stop stop = Stop::None;
   if (by_pieces && !pieces->sees_connections()) {
@@ -209,7 +238,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
           std::make_shared<const PieceGains>(system, SmallPieces::kManySets));
       findings.lower((*pieces)(start.view()));
       if (findings.settled()) break;
-      turns = std::make_unique<AndOrTurns>(system, budget, pieces->gains());
+      turns.emplace(system, budget, pieces->gains());
     }
     Budget some = budget;
     if (!pieces_ended) {
