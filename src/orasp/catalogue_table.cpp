@@ -101,7 +101,8 @@ Reason bound_asked_for(const Request& request) {
 
 Reason pieces_needed(const Request& request) {
   if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
-  return and_or_obstacle(*request.system);
+  if (auto reason = and_or_obstacle(*request.system)) return reason;
+  return symmetry_obstacle(*request.system, request.options.symmetry);
 }
 
 Reason program_needed(const Request& request) {
@@ -208,7 +209,7 @@ Result run_beam(const Request& request) {
 }
 
 Result run_and_or(const Request& request) {
-  return and_or(*request.system, {}, request.budget);
+  return and_or(*request.system, {.symmetry = request.options.symmetry}, request.budget);
 }
 
 Result run_mip(const Request& request) {
@@ -305,7 +306,8 @@ constexpr std::array kPlanners = {
             .summary = "piece by piece: AND/OR search over connected sets of parts",
             .bounds = true,
             .obstacle = pieces_needed,
-            .run = run_and_or},
+            .run = run_and_or,
+            .options = symmetry_options},
     Planner{.name = "mip",
             .summary = "an integer program, solved by CBC: the baseline (at most 32 connections, "
                        "or a fleet)",

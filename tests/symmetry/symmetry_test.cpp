@@ -14,6 +14,7 @@
 
 #include "orasp/catalogue.h"
 #include "orasp/explain/alternatives.h"
+#include "orasp/io/formula_parser.h"
 #include "orasp/model/random.h"
 #include "tests/checks.h"
 #include "tests/fault.h"
@@ -396,6 +397,79 @@ TEST(Symmetry, EveryMethodFindsTheSameOptimumWithIt) {
   EXPECT_GE(solved, least_of(2500));
 }
 
+// Of `and-or`, which searches one of the pieces that an exchange takes into one another.
+TEST(Symmetry, PiecesThatStandForOneAnotherAreWorthTheSame) {
+  if (!has_nauty()) GTEST_SKIP() << "built without nauty";
+  int used = 0;
+  int proved = 0;
+  int fewer = 0;
+  int proved_without = 0;
+  for (std::uint64_t seed = 0; seed < some_of(2 * kSeeds); ++seed) {
+    ProblemSpec spec = symmetric_problem(seed / 2);
+    spec.direction = seed % 2 == 0 ? Direction::Disassembly : Direction::Assembly;
+    SCOPED_TRACE(spec.name + " " + std::to_string(seed));
+    const Problem problem(spec);
+    if (obstacle(problem, "and-or", with(SymmetryUse::On))) continue;
+    const oracle::OracleResult truth = truth_of(spec);
+    const Result result = solve(problem, "and-or", with(SymmetryUse::On));
+    const Result without = solve(problem, "and-or", with(SymmetryUse::Off));
+    if (spec.base.empty()) expect_honest(problem, truth, find_planner("and-or"), result);
+    if (!truth.feasible) {
+      EXPECT_FALSE(result.has_plan());
+      continue;
+    }
+    ASSERT_NE(result.status, Status::Infeasible);
+    ASSERT_TRUE(result.bound.has_value());
+    EXPECT_GE(*result.bound, truth.best - reward_tolerance(truth.best));
+    EXPECT_NEAR(*result.bound, *without.bound, reward_tolerance(truth.best));
+    if (result.status == Status::Optimal) {
+      EXPECT_NEAR(result.reward, truth.best, reward_tolerance(truth.best));
+      EXPECT_TRUE(evaluate(problem, std::span<const ConnectionIndex>(result.sequence)).valid);
+      ++proved;
+    }
+    proved_without += without.status == Status::Optimal ? 1 : 0;
+    used += result.notes.empty() ? 0 : 1;
+    fewer += result.statistics.states < without.statistics.states ? 1 : 0;
+    if (HasFailure()) return;
+  }
+  EXPECT_GE(used, least_of(500));
+  EXPECT_GE(fewer, least_of(300));
+  EXPECT_GE(proved, proved_without - least_of(10));
+}
+
+// Three equal cars, whose cuts no bound by sizes tells the best of.
+TEST(Symmetry, EqualPiecesAreSearchedOnce) {
+  if (!has_nauty()) GTEST_SKIP() << "built without nauty";
+  ProblemSpec spec;
+  spec.parts.push_back({.id = "jig"});
+  const auto add = [&](const std::string& on, const std::string& id, double duration) {
+    spec.parts.push_back({.id = id});
+    Connection connection;
+    connection.parts = {on, id};
+    connection.duration = duration;
+    spec.connections.push_back(connection);
+  };
+  for (const std::string car : {"a", "b", "c"}) {
+    add("jig", car, 2);
+    for (const std::string wheel : {"1", "2", "3"}) {
+      add(car, car + wheel, 1);
+      add(car + wheel, car + wheel + "n", 0.5);
+    }
+  }
+  spec.objective.type = "expression";
+  spec.objective.parameters =
+      Expression{.formula = "-abs(moved_parts - 4) - 0.1 * duration * kept_parts",
+                 .compiler = compile_formula};
+  spec.limits.max_subassemblies = 2;
+  const Problem problem(spec);
+  const Result result = solve(problem, "and-or", with(SymmetryUse::On));
+  const Result without = solve(problem, "and-or", with(SymmetryUse::Off));
+  EXPECT_EQ(result.status, Status::Optimal);
+  EXPECT_EQ(without.status, Status::Optimal);
+  EXPECT_NEAR(result.reward, without.reward, reward_tolerance(without.reward));
+  EXPECT_LE(20 * result.statistics.states, without.statistics.states);  // 563 and 43,513
+}
+
 TEST(Symmetry, TheSameInTheMiddleOfTheWorkAndWithRetries) {
   if (!has_nauty()) GTEST_SKIP() << "built without nauty";
   int used = 0;
@@ -452,7 +526,7 @@ TEST(Symmetry, StoppedSearchesStayHonest) {
     SCOPED_TRACE(spec.name);
     const Problem problem(spec);
     const oracle::OracleResult truth = truth_of(spec);
-    for (const char* const method : {"dijkstra", "orasp-search", "a-star", "beam"}) {
+    for (const char* const method : {"dijkstra", "orasp-search", "a-star", "beam", "and-or"}) {
       SCOPED_TRACE(method);
       if (obstacle(problem, method, with(SymmetryUse::On))) continue;
       for (const std::uint64_t most : {1, 5, 20}) {

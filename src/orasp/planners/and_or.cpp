@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,13 +32,17 @@ void add_effort(Statistics& sum, const Statistics& part) {
 template <std::size_t kWords>
 class AndOrRounds {
  public:
-  AndOrRounds(const detail::PieceProblem& pieces, const Budget& budget)
-      : pieces_(pieces), budget_(budget), search_(pieces, 0, budget, all_cuts_) {
+  AndOrRounds(const detail::PieceProblem& pieces, SymmetryUse symmetry, const Budget& budget)
+      : pieces_(pieces),
+        budget_(budget),
+        search_(pieces, 0, budget, all_cuts_),
+        symmetry_use_(symmetry) {
     best_.method = "and-or";
   }
 
   /// The next `rounds` rounds.
   Result run(std::uint64_t rounds) {
+    look_for_symmetry(round_ > 0);
     // The first round takes some tenths of a second at any size.
     const std::uint64_t parts = std::max<std::uint64_t>(pieces_.system.problem().num_parts(), 1);
     const std::uint64_t first_expansions =
@@ -60,6 +65,7 @@ class AndOrRounds {
       if (!proved() && !done && stop == Stop::None && !all_kept && !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
       if (!done && !proved() && stop == Stop::None) {
+        look_for_symmetry(true);
         if (round < last_round) continue;
         ++round_;
         stop = Stop::ExpansionLimit;
@@ -72,6 +78,26 @@ class AndOrRounds {
   void know_plan(double reward) { search_.know_plan(reward); }
 
  private:
+  /// Looks for symmetry, once: where it was asked for at once, and by itself where the search is
+  /// `is_long`.
+  void look_for_symmetry(bool is_long) {
+    const bool automatic = symmetry_use_ == SymmetryUse::Auto;
+    if (symmetry_use_ == SymmetryUse::Off || (automatic && !is_long)) return;
+    const std::optional<Symmetry> symmetry = symmetry_for(pieces_.system, symmetry_use_, "and-or");
+    symmetry_use_ = SymmetryUse::Off;  // known once and for all
+    if (!symmetry) return;
+    const OrbitForm form = symmetry->form_of_parts();
+    if (form.trivial() || (automatic && form.saving() < least_saving())) return;
+    search_.use_symmetry(form);
+    best_.notes.push_back(symmetry->text());
+  }
+
+  /// How much symmetry has to save where it is used by itself: the cuts of pieces cannot be kept
+  /// with it.
+  [[nodiscard]] double least_saving() const {
+    return search_.keeps_cuts() ? kAndOrLeastSavingOfKept : kAndOrLeastSaving;
+  }
+
   /// Whether the best plan earns all that the bound allows.
   [[nodiscard]] bool proved() const {
     return std::isfinite(best_.reward) && detail::meets(best_.reward, most_);
@@ -165,6 +191,8 @@ class AndOrRounds {
   double most_ = kInfinity;
   bool peeling_pays_ = true;
   std::uint64_t round_ = 0;
+  /// What is still to be done about symmetry.
+  SymmetryUse symmetry_use_;
 };
 
 }  // namespace
@@ -188,8 +216,8 @@ namespace {
 template <std::size_t kWords>
 class RoundsOfWords final : public detail::AnyRounds {
  public:
-  RoundsOfWords(const detail::PieceProblem& pieces, const Budget& budget)
-      : rounds_(pieces, budget) {}
+  RoundsOfWords(const detail::PieceProblem& pieces, SymmetryUse symmetry, const Budget& budget)
+      : rounds_(pieces, symmetry, budget) {}
   [[nodiscard]] Result next(std::uint64_t rounds, double known_reward) override {
     rounds_.know_plan(known_reward);
     return rounds_.run(rounds);
@@ -200,36 +228,36 @@ class RoundsOfWords final : public detail::AnyRounds {
 };
 
 std::unique_ptr<detail::AnyRounds> make_rounds(const detail::PieceProblem& pieces,
-                                               const Budget& budget) {
+                                               SymmetryUse symmetry, const Budget& budget) {
   const std::size_t words = (pieces.system.problem().num_parts() + 63) / 64;
-  if (words <= 1) return std::make_unique<RoundsOfWords<1>>(pieces, budget);
-  if (words <= 2) return std::make_unique<RoundsOfWords<2>>(pieces, budget);
-  if (words <= 4) return std::make_unique<RoundsOfWords<4>>(pieces, budget);
-  if (words <= 8) return std::make_unique<RoundsOfWords<8>>(pieces, budget);
-  return std::make_unique<RoundsOfWords<16>>(pieces, budget);
+  if (words <= 1) return std::make_unique<RoundsOfWords<1>>(pieces, symmetry, budget);
+  if (words <= 2) return std::make_unique<RoundsOfWords<2>>(pieces, symmetry, budget);
+  if (words <= 4) return std::make_unique<RoundsOfWords<4>>(pieces, symmetry, budget);
+  if (words <= 8) return std::make_unique<RoundsOfWords<8>>(pieces, symmetry, budget);
+  return std::make_unique<RoundsOfWords<16>>(pieces, symmetry, budget);
 }
 
 }  // namespace
 
 struct AndOrTurns::Work {
   Work(const TransitionSystem& system, const Budget& budget,
-       std::shared_ptr<const PieceGains> gains)
+       std::shared_ptr<const PieceGains> gains, SymmetryUse symmetry)
       : pieces(system, std::move(gains)),
-        rounds(pieces.gains.known() ? make_rounds(pieces, budget) : nullptr) {}
+        rounds(pieces.gains.known() ? make_rounds(pieces, symmetry, budget) : nullptr) {}
   detail::PieceProblem pieces;
   std::unique_ptr<detail::AnyRounds> rounds;
   Statistics told;
 };
 
 AndOrTurns::AndOrTurns(const TransitionSystem& system, const Budget& budget,
-                       std::shared_ptr<const PieceGains> gains)
-    : system_(system), budget_(budget), gains_(std::move(gains)) {}
+                       std::shared_ptr<const PieceGains> gains, SymmetryUse symmetry)
+    : system_(system), budget_(budget), gains_(std::move(gains)), symmetry_(symmetry) {}
 AndOrTurns::~AndOrTurns() = default;
 
 Result AndOrTurns::next(std::uint64_t rounds, double known_reward) {
   Result result;
   try {
-    if (!work_) work_ = std::make_unique<Work>(system_, budget_, gains_);
+    if (!work_) work_ = std::make_unique<Work>(system_, budget_, gains_, symmetry_);
     if (!work_->rounds) return {};
     result = work_->rounds->next(rounds, known_reward);
   } catch (const InputError&) {
@@ -265,8 +293,10 @@ Result searched(const TransitionSystem& system, const AndOrOptions& options, con
     return empty;
   }
   if (const auto reason = and_or_obstacle(system)) throw Refusal("and-or", *reason);
+  if (const auto reason = symmetry_obstacle(system, options.symmetry))
+    throw Refusal("and-or", *reason);
   if (system.wide()) return detail::part_trees(system, budget);
-  AndOrTurns turns(system, budget);
+  AndOrTurns turns(system, budget, nullptr, options.symmetry);
   Result result = turns.next(options.rounds, -kInfinity);
   if (!result.has_plan() && result.status != Status::Infeasible) {
     // The cut tree could not be carried out, or there was no time for one.

@@ -8,16 +8,20 @@
 
 #include "orasp/bounds/piece_gains.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/symmetry/symmetry.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
 
 inline constexpr std::size_t kAndOrMostParts = 1024;
+inline constexpr double kAndOrLeastSaving = 2;
+inline constexpr double kAndOrLeastSavingOfKept = 16;
 
 /// The search goes in rounds, each twice as long as the one before.
 struct AndOrOptions {
   std::uint64_t rounds = std::numeric_limits<std::uint64_t>::max();
+  SymmetryUse symmetry = SymmetryUse::Auto;
 };
 
 /// Finds an optimal plan piece by piece: AND/OR search over connected sets of parts.
@@ -36,6 +40,12 @@ struct AndOrOptions {
 ///             max_subassemblies one side is finished before the other is begun, which needs the
 ///             fewest at a time (Sethi and Ullman 1970), so a memory entry is a set of parts and
 ///             the number allowed to it.
+/// Symmetry.   Pieces that an exchange of equal parts takes into one another have one value, so one
+///             of them is searched for all (symmetry/symmetry.h). With SymmetryUse::Auto exchanges
+///             are looked for after the first round, and used where there are at least
+///             kAndOrLeastSaving times fewer sets of parts up to them; kAndOrLeastSavingOfKept times
+///             where the cuts of pieces are kept, which they are not with symmetry. Random spanning
+///             forests are searched without.
 /// Reference.  AND/OR search: Nilsson (1980), Principles of Artificial Intelligence, ch. 3; for
 ///             assembly: Homem de Mello and Sanderson (1991), IEEE Trans. Robotics and Automation
 ///             7(2), 228-240. Iterative deepening: Korf (1985), Artificial Intelligence 27(1),
@@ -54,7 +64,8 @@ struct AndOrOptions {
 ///             the rest may fall into many pieces: planners/detail/part_trees.h.
 /// Limit.      At most kAndOrMostParts parts, objectives that see the piece only; no goal.
 /// Repeatable. Ties go to the cut listed first.
-/// @throws Refusal where the objective or the direction does not allow it: and_or_obstacle().
+/// @throws Refusal where the objective or the direction does not allow it: and_or_obstacle(); where
+/// symmetry was asked for and nothing is known of it: symmetry_obstacle().
 [[nodiscard]] Result and_or(const TransitionSystem& system, const AndOrOptions& options,
                             const Budget& budget);
 
@@ -64,7 +75,8 @@ class AndOrTurns {
  public:
   /// Both must outlive it. `gains` are those of the system where they are known already.
   AndOrTurns(const TransitionSystem& system, const Budget& budget,
-             std::shared_ptr<const PieceGains> gains = nullptr);
+             std::shared_ptr<const PieceGains> gains = nullptr,
+             SymmetryUse symmetry = SymmetryUse::Auto);
   AndOrTurns(const AndOrTurns&) = delete;
   AndOrTurns& operator=(const AndOrTurns&) = delete;
   ~AndOrTurns();
@@ -79,6 +91,7 @@ class AndOrTurns {
   const TransitionSystem& system_;
   const Budget& budget_;
   std::shared_ptr<const PieceGains> gains_;
+  SymmetryUse symmetry_;
   std::unique_ptr<Work> work_;
 };
 

@@ -42,15 +42,16 @@ bool some_alike(const ColouredGraph& graph, std::size_t first, std::size_t count
   return std::ranges::adjacent_find(looks) != looks.end();
 }
 
-/// What the generators do to connections; those that leave all of them alone are left out.
-std::vector<Permutation> on_connections(const Automorphisms& all, std::size_t parts,
-                                        std::size_t connections) {
+/// What the generators do to `count` vertices from `first` on, which they take to one another;
+/// those that leave all of them alone are left out.
+std::vector<Permutation> restricted_to(const Automorphisms& all, std::size_t first,
+                                       std::size_t count) {
   std::set<Permutation> different;
   for (const Permutation& g : all.generators) {
-    Permutation restricted(connections);
+    Permutation restricted(count);
     bool moves = false;
-    for (std::size_t c = 0; c < connections; ++c) {
-      restricted[c] = g[parts + c] - static_cast<std::uint32_t>(parts);
+    for (std::size_t c = 0; c < count; ++c) {
+      restricted[c] = g[first + c] - static_cast<std::uint32_t>(first);
       moves = moves || restricted[c] != c;
     }
     if (moves) different.insert(std::move(restricted));
@@ -64,7 +65,7 @@ Symmetry::Symmetry(const TransitionSystem& system) {
   const ProblemGraph problem = problem_graph(system);
   obstacle_ = problem.obstacle;
   if (obstacle_) return;
-  const std::size_t parts = system.problem().num_parts();
+  const std::size_t parts = parts_ = system.problem().num_parts();
   const std::size_t connections = system.num_connections();
   if (problem.graph.size() > kMostVertices) {
     obstacle_ = "finds no symmetry in a problem that states so much";
@@ -78,7 +79,8 @@ Symmetry::Symmetry(const TransitionSystem& system) {
     obstacle_ = "finds no symmetry in a problem that states so much";
     return;
   }
-  generators_ = on_connections(all, parts, connections);
+  generators_ = restricted_to(all, parts, connections);
+  part_generators_ = restricted_to(all, 0, parts);
   form_ = OrbitForm(connections, generators_);
 }
 

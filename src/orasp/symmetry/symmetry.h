@@ -40,6 +40,8 @@ class Symmetry {
   [[nodiscard]] const OrbitForm& form() const { return form_; }
   /// Exchanges of connections of which all others are made, more perhaps than are used.
   [[nodiscard]] const std::vector<Permutation>& generators() const { return generators_; }
+  /// The same for parts: takes sets of parts to the one that stands for them.
+  [[nodiscard]] OrbitForm form_of_parts() const { return {parts_, part_generators_}; }
   /// How many exchanges are used: at most so many times fewer states are there. As a number that
   /// may be rounded.
   [[nodiscard]] double order() const;
@@ -48,7 +50,9 @@ class Symmetry {
 
  private:
   std::optional<std::string> obstacle_;
+  std::size_t parts_ = 0;
   std::vector<Permutation> generators_;
+  std::vector<Permutation> part_generators_;
   OrbitForm form_;
 };
 

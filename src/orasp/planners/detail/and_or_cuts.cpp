@@ -61,19 +61,21 @@ void AndOrSearch<kWords>::offer_cut(const Set& piece, std::size_t parts, std::si
   const std::size_t rest_parts = parts - side_parts;
   const std::optional<double> gain = gain_of(piece, side, rest, side_parts, rest_parts);
   if (!gain) return;
-  const double own = here - *gain - upper(side, side_parts) - upper(rest, rest_parts);
-  add_cut(side, side_parts, rest, rest_parts, allowed, own, limit, skipped);
+  const Set side_form = form_of(side, side_parts);
+  const Set rest_form = form_of(rest, rest_parts);
+  const double own = here - *gain - upper(side_form, side_parts) - upper(rest_form, rest_parts);
+  add_cut(side, side_form, side_parts, rest_form, rest_parts, allowed, own, limit, skipped);
 }
 
 /// Appends a cut that loses `own_loss` itself, as offer_cut() says.
 template <std::size_t kWords>
-void AndOrSearch<kWords>::add_cut(const Set& side, std::size_t side_parts, const Set& rest,
-                                  std::size_t rest_parts, std::size_t allowed, double own_loss,
-                                  double limit, double& skipped) {
+void AndOrSearch<kWords>::add_cut(const Set& side, const Set& side_form, std::size_t side_parts,
+                                  const Set& rest_form, std::size_t rest_parts, std::size_t allowed,
+                                  double own_loss, double limit, double& skipped) {
   const auto add = [&](std::size_t side_allowed, std::size_t rest_allowed, bool side_waits) {
     if ((side_allowed == 0 && side_parts > 1) || (rest_allowed == 0 && rest_parts > 1)) return;
-    const double estimate = own_loss + known_loss(side, side_parts, side_allowed) +
-                            known_loss(rest, rest_parts, rest_allowed);
+    const double estimate = own_loss + known_loss(side_form, side_parts, side_allowed) +
+                            known_loss(rest_form, rest_parts, rest_allowed);
     if (estimate > limit) {
       skipped = std::min(skipped, estimate);
       return;
@@ -224,19 +226,19 @@ bool AndOrSearch<kWords>::may_precede(const Set& side, const Set& rest) {
 }
 
 template double AndOrSearch<1>::list_cuts(const Set&, std::size_t, std::size_t, double);
-template void AndOrSearch<1>::add_cut(const Set&, std::size_t, const Set&, std::size_t, std::size_t,
-                                      double, double, double&);
+template void AndOrSearch<1>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
+                                      std::size_t, double, double, double&);
 template double AndOrSearch<2>::list_cuts(const Set&, std::size_t, std::size_t, double);
-template void AndOrSearch<2>::add_cut(const Set&, std::size_t, const Set&, std::size_t, std::size_t,
-                                      double, double, double&);
+template void AndOrSearch<2>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
+                                      std::size_t, double, double, double&);
 template double AndOrSearch<4>::list_cuts(const Set&, std::size_t, std::size_t, double);
-template void AndOrSearch<4>::add_cut(const Set&, std::size_t, const Set&, std::size_t, std::size_t,
-                                      double, double, double&);
+template void AndOrSearch<4>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
+                                      std::size_t, double, double, double&);
 template double AndOrSearch<8>::list_cuts(const Set&, std::size_t, std::size_t, double);
-template void AndOrSearch<8>::add_cut(const Set&, std::size_t, const Set&, std::size_t, std::size_t,
-                                      double, double, double&);
+template void AndOrSearch<8>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
+                                      std::size_t, double, double, double&);
 template double AndOrSearch<16>::list_cuts(const Set&, std::size_t, std::size_t, double);
-template void AndOrSearch<16>::add_cut(const Set&, std::size_t, const Set&, std::size_t,
+template void AndOrSearch<16>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
                                        std::size_t, double, double, double&);
 
 }  // namespace orasp::detail

@@ -44,7 +44,7 @@ double AndOrSearch<kWords>::loss_of_first_step(const std::vector<Set>& pieces,
   double least = first_->most - first_->most_without_cut;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const std::size_t parts = pieces[i].size();
-    scale_ = upper(pieces[i], parts);
+    scale_ = upper(form_of(pieces[i], parts), parts);
     double limit = losses[i] + slack(scale_);
     double step = slack(scale_);
     while (true) {
@@ -78,7 +78,7 @@ double AndOrSearch<kWords>::search_first(const Set& piece, std::size_t parts, st
 template <std::size_t kWords>
 double AndOrSearch<kWords>::list_first_cuts(const Set& piece, std::size_t parts,
                                             std::size_t allowed, double limit) {
-  const double here = upper(piece, parts) + first_->most;
+  const double here = upper(form_of(piece, parts), parts) + first_->most;
   double skipped = kInfinity;
   for (const FirstSteps::Cut& cut : first_->cuts) {
     if (!piece.contains(cut.a.front())) continue;
@@ -86,9 +86,11 @@ double AndOrSearch<kWords>::list_first_cuts(const Set& piece, std::size_t parts,
     for (const PartIndex part : cut.a) side.insert(part);
     const Set rest = piece - side;
     const std::size_t rest_parts = parts - cut.a.size();
-    const double own =
-        here - cut.gain - cut.surplus - upper(side, cut.a.size()) - upper(rest, rest_parts);
-    add_cut(side, cut.a.size(), rest, rest_parts, allowed, own, limit, skipped);
+    const Set side_form = form_of(side, cut.a.size());
+    const Set rest_form = form_of(rest, rest_parts);
+    const double own = here - cut.gain - cut.surplus - upper(side_form, cut.a.size()) -
+                       upper(rest_form, rest_parts);
+    add_cut(side, side_form, cut.a.size(), rest_form, rest_parts, allowed, own, limit, skipped);
   }
   return skipped;
 }
@@ -105,11 +107,11 @@ auto AndOrSearch<kWords>::choose_first(bool dive) -> std::optional<First> {
     const Set& piece = pieces_[i];
     const std::size_t parts = piece.size();
     const std::size_t allowed = limited_ ? useful(allowed_, parts) : allowed_;
-    const double loss = known_loss(piece, parts, allowed);
+    const double loss = known_loss(form_of(piece, parts), parts, allowed);
     cuts_.clear();
     static_cast<void>(list_first_cuts(piece, parts, allowed, kInfinity));
     for (const Cut& cut : cuts_) {
-      const std::array<Half, 2> sides = halves(piece, parts, allowed, cut);
+      const std::array<Half, 2> sides = forms_of(halves(piece, parts, allowed, cut));
       const bool solved =
           is_exact(sides[0].set, sides[0].allowed) && is_exact(sides[1].set, sides[1].allowed);
       if (!solved && !dive) continue;

@@ -58,10 +58,13 @@ void AndOrSearch<kWords>::peel_once(const Remainder& from, std::uint32_t number,
     const bool rest_waits = side_stays ? cut.side_waits : !cut.side_waits;
     const bool one_waits = limited_ && off_parts >= 2 && size - off_parts >= 2;
     if (off_parts > kMostPeeled || (one_waits && !rest_waits)) continue;
-    const double off_loss = search(off, off_parts, one_waits ? allowed_ - 1 : allowed_, kInfinity);
+    const double off_loss =
+        search(form_of(off, off_parts), off_parts, one_waits ? allowed_ - 1 : allowed_, kInfinity);
     if (off_loss == kInfinity || result_.stop != Stop::None) continue;
     std::vector<Remainder>& there = by_size[size - off_parts];
-    there.push_back({from.piece - off, from.loss + cut.own_loss + off_loss, number, off});
+    const Set left = from.piece - off;
+    const double loss = from.loss + cut.own_loss + off_loss;
+    there.push_back({left, loss + bound_of_form_above(left, size - off_parts), number, off});
     if (there.size() > 1024 + 8 * width) keep_best(there, width);
   }
 }

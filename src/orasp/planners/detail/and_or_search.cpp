@@ -70,14 +70,15 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   double most = 0;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
   if (problem_.num_connections() > 0) most += first_ ? first_->most : gains_.last_surplus();
-  for (const Set& piece : pieces) most += upper(piece, piece.size());
+  const auto form = [&](const Set& piece) { return form_of(piece, piece.size()); };
+  for (const Set& piece : pieces) most += upper(form(piece), piece.size());
   result_.bound = most;
   most_loss_ = std::max(0.0, most - known_reward_) + slack(most);
   std::vector<double> losses;
   for (const Set& piece : pieces) {
     const double before = most;
     const double loss =
-        solve(piece, allowed, [&](double lower) { result_.bound = before - lower; });
+        solve(form(piece), allowed, [&](double lower) { result_.bound = before - lower; });
     most -= loss;
     losses.push_back(loss);
     result_.bound = most;
@@ -198,7 +199,7 @@ std::pair<double, double> AndOrSearch<kWords>::least_loss(const Set& piece, std:
       next = std::min(next, cut.estimate);
       continue;
     }
-    const auto [total, solved] = loss_with(cut, halves(piece, parts, allowed, cut), most);
+    const auto [total, solved] = loss_with(cut, forms_of(halves(piece, parts, allowed, cut)), most);
     if (must_stop()) break;
     if (solved) {
       best = total;

@@ -23,6 +23,7 @@
 #include "orasp/planners/detail/part_set.h"
 #include "orasp/planners/detail/side_lister.h"
 #include "orasp/planners/detail/spanning_forest.h"
+#include "orasp/symmetry/orbit_form.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -62,6 +63,11 @@ struct PieceProblem {
 /// The loss of a piece is what its best tree of cuts stays below the bound of PieceGains. A search
 /// runs several times, each time further; what it has proved stays in its memory for the next run.
 ///
+/// With symmetry only pieces are searched that stand for themselves: each side of a cut is taken to
+/// the form of its orbit, and what stands in the memory is the loss of that one. So own_loss is
+/// counted against the bounds of the forms, which need not be those of the sides themselves. Plans
+/// are made of the sides themselves.
+///
 /// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
 /// search takes too long, and_or_first.cpp what changes where the first step completes,
@@ -82,6 +88,14 @@ class AndOrSearch {
   /// sides of cuts. The bound of the result is proved at any time.
   /// @returns whether the search is done.
   bool run(std::uint64_t most_expansions, std::uint64_t most_looks);
+
+  /// From here on pieces that an exchange of equal parts takes into one another are one. What is
+  /// known by then stays true; cuts are no longer kept. Not for a search along a forest that leaves
+  /// connections out.
+  void use_symmetry(const OrbitForm& form) {
+    form_ = form;
+    stores_ = false;
+  }
 
   /// Looks for a good plan that takes small sides off each piece, one after the other. Of the
   /// pieces of each size that are then left, the `width` that have lost least are followed. What is
@@ -217,8 +231,9 @@ class AndOrSearch {
   std::size_t mark_wanted_sizes(std::size_t parts, double here, double limit, double& skipped);
   void offer_cut(const Set& piece, std::size_t parts, std::size_t allowed, double limit,
                  double here, const Set& side, std::size_t side_parts, double& skipped);
-  void add_cut(const Set& side, std::size_t side_parts, const Set& rest, std::size_t rest_parts,
-               std::size_t allowed, double own_loss, double limit, double& skipped);
+  void add_cut(const Set& side, const Set& side_form, std::size_t side_parts, const Set& rest_form,
+               std::size_t rest_parts, std::size_t allowed, double own_loss, double limit,
+               double& skipped);
   template <class Offer>
   void list_sides(const Set& piece, std::size_t parts, std::size_t largest, Offer&& offer);
   template <class Offer>
@@ -291,6 +306,24 @@ class AndOrSearch {
         Half{piece - cut.side, rest_parts, one_waits && cut.side_waits ? allowed - 1 : allowed}};
   }
 
+  /// The piece that stands for one: without symmetry that one itself.
+  [[nodiscard]] Set form_of(const Set& set, std::size_t parts) {
+    if (!form_ || parts == 1) return set;
+    Set form = set;
+    form_->canonical(form.words);
+    return form;
+  }
+  [[nodiscard]] std::array<Half, 2> forms_of(std::array<Half, 2> sides) {
+    for (Half& side : sides) side.set = form_of(side.set, side.parts);
+    return sides;
+  }
+  /// By how much the bound of the piece that stands for one is above that of the piece itself.
+  [[nodiscard]] double bound_of_form_above(const Set& set, std::size_t parts) {
+    if (!form_ || !bounded_ || parts == 1) return 0;
+    const double above = upper(form_of(set, parts), parts) - upper(set, parts);
+    return std::isfinite(above) ? above : 0;
+  }
+
   [[nodiscard]] std::array<std::uint64_t, kWords + 1> key(const Set& set,
                                                           std::size_t allowed) const {
     std::array<std::uint64_t, kWords + 1> result{};
@@ -299,7 +332,7 @@ class AndOrSearch {
     return result;
   }
   [[nodiscard]] double unknown_loss() const { return bounded_ ? 0 : -kInfinity; }
-  /// What is known of the loss of a piece: it is at least this much.
+  /// What is known of the loss of a piece that stands for itself: it is at least this much.
   [[nodiscard]] double known_loss(const Set& set, std::size_t parts, std::size_t allowed) const {
     if (parts == 1) return 0;
     const std::uint32_t number = memo_.find(key(set, allowed).data());
@@ -385,6 +418,8 @@ class AndOrSearch {
   /// worse.
   double known_reward_ = -kInfinity;
   double most_loss_ = kInfinity;
+  /// With symmetry: what takes a piece to the one that stands for it.
+  std::optional<OrbitForm> form_;
   /// The cuts of the pieces that are being searched, those of the innermost piece last.
   std::vector<Cut> cuts_;
 

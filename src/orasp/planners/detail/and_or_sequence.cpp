@@ -12,9 +12,10 @@ auto AndOrSearch<kWords>::next_cut(const Set& piece, std::size_t parts, std::siz
     return Cut{
         .side = peeled->second, .own_loss = 0, .estimate = 0, .order = 0, .side_waits = false};
   if (stores_) return next_stored_cut(piece, parts, dive);
-  const bool known = is_exact(piece, allowed);
+  const Set form = form_of(piece, parts);
+  const bool known = is_exact(form, allowed);
   if (!known && !dive) return std::nullopt;
-  const double loss = known_loss(piece, parts, allowed);
+  const double loss = known_loss(form, parts, allowed) - bound_of_form_above(piece, parts);
   cuts_.clear();
   static_cast<void>(
       list_cuts(piece, parts, allowed,
@@ -23,7 +24,7 @@ auto AndOrSearch<kWords>::next_cut(const Set& piece, std::size_t parts, std::siz
   // cut: a cut with a side that is not solved cannot be that one.
   const auto promise = [&](const Cut& cut) {
     if (!known) return cut.estimate;
-    const std::array<Half, 2> sides = halves(piece, parts, allowed, cut);
+    const std::array<Half, 2> sides = forms_of(halves(piece, parts, allowed, cut));
     const bool solved =
         is_exact(sides[0].set, sides[0].allowed) && is_exact(sides[1].set, sides[1].allowed);
     return solved ? cut.estimate : kInfinity;
