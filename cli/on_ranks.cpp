@@ -79,8 +79,8 @@ std::string made_at_rank_0(Ranks& ranks, const std::function<std::string()>& mak
   return text.substr(1);
 }
 
-void share_memory(const Ranks& ranks, bool limited, Budget& budget) {
-  if (!limited) budget.max_bytes /= ranks.on_this_machine();
+void share_memory(std::size_t near, bool limited, Budget& budget) {
+  if (!limited) budget.max_bytes /= near;
 }
 
 }  // namespace orasp::cli

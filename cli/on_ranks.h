@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 #include "orasp/cluster/ranks.h"
@@ -21,7 +22,7 @@ namespace orasp::cli {
 /// What rank 0 makes, on every rank; where it throws an InputError there, every rank throws it.
 [[nodiscard]] std::string made_at_rank_0(Ranks& ranks, const std::function<std::string()>& make);
 
-/// Where no memory limit was given: a rank's share of what its machine has.
-void share_memory(const Ranks& ranks, bool limited, Budget& budget);
+/// Where no memory limit was given: the share of what a machine has, of one of `near` ranks on it.
+void share_memory(std::size_t near, bool limited, Budget& budget);
 
 }  // namespace orasp::cli

@@ -18,19 +18,21 @@
 #include "cli/output/progress.h"
 #include "cli/output/text.h"
 #include "orasp/cluster/share_out.h"
+#include "orasp/cluster/workshop.h"
 #include "orasp/io/atomic_file.h"
 #include "orasp/io/problem_json.h"
 
 namespace orasp::cli {
 namespace {
 
-/// One method on one problem. Without a result the method refused the problem, and `message` says
-/// why.
+/// One method on one problem. Without a result the method refused the problem, or `failed`: the
+/// process that worked on it did, twice. `message` says why.
 struct Row {
   std::string problem;
   std::string method;
   bool exact = false;
   bool of_fleet = false;
+  bool failed = false;
   std::optional<Result> result;
   std::string message;
   /// Of a plan of several robots.
@@ -38,6 +40,7 @@ struct Row {
   double travel = 0;
 
   [[nodiscard]] std::string status() const {
+    if (failed) return "failed";
     return result ? std::string(status_name(result->status)) : std::string("refused");
   }
   /// For people: a proved optimum needs no words.
@@ -331,6 +334,11 @@ int conclude(const std::vector<Row>& rows, bool interrupted, const CompareOption
       return kInternalError;
     }
   }
+  const auto failed = std::ranges::find_if(rows, &Row::failed);
+  if (failed != rows.end()) {
+    print_error(fmt::format("internal error: {} {}", printable(failed->problem), failed->message));
+    return kInternalError;
+  }
   return interrupted ? kStopped : kSolved;
 }
 
@@ -338,10 +346,10 @@ int conclude(const std::vector<Row>& rows, bool interrupted, const CompareOption
 std::string rows_text(const std::vector<Row>& rows) {
   nlohmann::json list = nlohmann::json::array();
   for (const Row& row : rows) {
-    nlohmann::json entry = {{"problem", row.problem}, {"method", row.method},
-                            {"exact", row.exact},     {"of_fleet", row.of_fleet},
-                            {"message", row.message}, {"makespan", row.makespan},
-                            {"travel", row.travel}};
+    nlohmann::json entry = {{"problem", row.problem},   {"method", row.method},
+                            {"exact", row.exact},       {"of_fleet", row.of_fleet},
+                            {"failed", row.failed},     {"message", row.message},
+                            {"makespan", row.makespan}, {"travel", row.travel}};
     if (row.result) {
       const Statistics& counted = row.result->statistics;
       entry["status"] = static_cast<int>(row.result->status);
@@ -365,6 +373,7 @@ std::vector<Row> rows_of(const std::string& text) {
             .method = entry.at("method"),
             .exact = entry.at("exact"),
             .of_fleet = entry.at("of_fleet"),
+            .failed = entry.at("failed"),
             .result = {},
             .message = entry.at("message"),
             .makespan = entry.at("makespan"),
@@ -402,9 +411,41 @@ std::string asked_text(const CompareOptions& options, const Context& context) {
   return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// The problems are shared out as processes become free; rank 0 prints the one table.
+/// A piece of the work, for the process that does it.
+std::string task_text(const Asked& asked, const std::string& name, std::size_t ranks_near) {
+  const nlohmann::json task = {{"problem", problem_text(asked.problem)},
+                               {"fault", asked.fault},
+                               {"name", name},
+                               {"ranks_near", ranks_near}};
+  return task.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// Does a piece. @returns its rows.
+std::string rows_of_task(const std::string& text, const CompareOptions& options,
+                         const Context& context, const std::stop_token& stop) {
+  const nlohmann::json task = nlohmann::json::parse(text);
+  const std::size_t near = task.at("ranks_near");
+  const Asked asked(parse_problem(task.at("problem").get<std::string>()),
+                    task.at("fault").get<std::string>());
+  const AdaptBudget adapt = [&](Budget& budget) {
+    budget.stop = stop;
+    share_memory(near, options.limits.memory_limit.has_value(), budget);
+    if (!options.limits.threads)
+      budget.threads = std::max(1U, budget.threads / static_cast<unsigned>(near));
+  };
+  std::vector<Row> rows;
+  static_cast<void>(add_rows(asked, task.at("name"), named_methods(options.methods), options,
+                             context, adapt, rows));
+  return rows_text(rows);
+}
+
+/// The problems are shared out as ranks become free, each of which does them in processes of their
+/// own; rank 0 prints the one table.
 int compare_on_ranks(const CompareOptions& options, const Context& context) {
   const std::vector<const Planner*> methods = named_methods(options.methods);
+  Workshop workshop([&](const std::string& task, const std::stop_token& stopping) {
+    return rows_of_task(task, options, context, stopping);
+  });
   const std::stop_token stop = make_budget(options.limits).stop;
   return on_ranks([&](Ranks& ranks) {
     std::vector<Asked> asked;
@@ -413,21 +454,20 @@ int compare_on_ranks(const CompareOptions& options, const Context& context) {
       asked.emplace_back(parse_problem(entry.at("problem").get<std::string>()),
                          entry.at("fault").get<std::string>());
     }
+    const std::size_t near = ranks.on_this_machine();
     const auto work = [&](std::size_t piece, const std::stop_token& stopping) {
-      const AdaptBudget adapt = [&](Budget& budget) {
-        budget.stop = stopping;
-        share_memory(ranks, options.limits.memory_limit.has_value(), budget);
-        if (!options.limits.threads) {
-          const auto near = static_cast<unsigned>(ranks.on_this_machine());
-          budget.threads = std::max(1U, budget.threads / near);
-        }
-      };
-      std::vector<Row> rows;
-      static_cast<void>(
-          add_rows(asked[piece], options.problems[piece], methods, options, context, adapt, rows));
-      return rows_text(rows);
+      return workshop.make(task_text(asked[piece], options.problems[piece], near), stopping);
     };
-    const auto answers = share_out(ranks, asked.size(), work, stop);
+    const auto failed = [&](std::size_t piece, const std::string& why) {
+      const bool one = methods.size() == 1;
+      return rows_text({{.problem = options.problems[piece],
+                         .method = one ? std::string(methods.front()->name) : "all methods",
+                         .of_fleet = asked[piece].problem.objective().of_fleet(),
+                         .failed = true,
+                         .result = {},
+                         .message = "failed on two ranks: " + why}});
+    };
+    const auto answers = share_out(ranks, asked.size(), work, failed, stop);
     if (ranks.rank() != 0) return static_cast<int>(kSolved);
     std::vector<Row> rows;
     bool interrupted = false;
@@ -480,15 +520,17 @@ CommandWork compare_command(CommandLine& line) {
             "Print the table as CSV; -o then writes CSV too (default: text for people).");
   line.flag("--markdown", options.markdown,
             "Print the table as Markdown; -o then writes Markdown too (default: text for people).");
-  line.footer(methods_help() +
-              "\nExamples:\n"
-              "  orasp compare 2x3 lattice hubble\n"
-              "  orasp compare hubble --methods greedy,random,orasp-search --markdown\n"
-              "  orasp compare problems/*.json --time-limit 10 --csv > table.csv\n"
-              "  orasp compare fleet-lattice fleet-hubble --objective fleet_travel\n"
-              "\n"
-              "Exit codes: 0 compared, whatever the methods said; 20 interrupted, the rows so\n"
-              "far are printed; 30 wrong input; 40 exact methods disagree.");
+  line.footer(
+      methods_help() +
+      "\nExamples:\n"
+      "  orasp compare 2x3 lattice hubble\n"
+      "  orasp compare hubble --methods greedy,random,orasp-search --markdown\n"
+      "  orasp compare problems/*.json --time-limit 10 --csv > table.csv\n"
+      "  orasp compare fleet-lattice fleet-hubble --objective fleet_travel\n"
+      "\n"
+      "Exit codes: 0 compared, whatever the methods said; 20 interrupted, the rows so\n"
+      "far are printed; 30 wrong input; 40 exact methods disagree, or on several ranks the\n"
+      "work on a problem was ended twice.");
   return [chosen](const Context& context) { return run(*chosen, context); };
 }
 

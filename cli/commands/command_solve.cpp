@@ -242,7 +242,7 @@ int solve_on_ranks(const SolveOptions& options, const Context& context) {
   require_sense_of_ranks(options, chosen);
   Budget budget = make_budget(options.limits);
   return on_ranks([&](Ranks& ranks) {
-    share_memory(ranks, options.limits.memory_limit.has_value(), budget);
+    share_memory(ranks.on_this_machine(), options.limits.memory_limit.has_value(), budget);
     // Rank 0 alone reads; the others get the problem from it, as a file would hold it.
     std::string digest;
     const std::string text = made_at_rank_0(ranks, [&] {

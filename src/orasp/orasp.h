@@ -72,6 +72,7 @@
 #include "orasp/cluster/cluster_value_iteration.h"
 #include "orasp/cluster/ranks.h"
 #include "orasp/cluster/share_out.h"
+#include "orasp/cluster/workshop.h"
 #include "orasp/drawing/document.h"
 #include "orasp/drawing/figures.h"
 #include "orasp/execution/plan_changes.h"

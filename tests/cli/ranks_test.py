@@ -43,6 +43,19 @@ def on_ranks(count, *arguments, stdin=""):
     return process.returncode, out, error
 
 
+def children_of(process):
+    return subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False).stdout.split()
+
+
+def time_used(process):
+    """Seconds of processor time; 0 where the process is over."""
+    try:
+        fields = Path("/proc", process, "stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return 0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def answer(text):
     plan = json.loads(text)
     return {key: plan.get(key) for key in ("status", "reward", "bound", "steps", "disassembly", "problem_digest")}
@@ -174,6 +187,51 @@ class Ranks(Case):
             self.assertEqual(rows(out), expected)
         code, _, error = on_ranks(2, "compare", "hubble", "nowhere.json")
         self.assertEqual((code, error.count("orasp: ")), (30, 1), error)
+
+    def kill_workers(self, process, times):
+        """Kills the process that does the long problem, as often as it is begun."""
+        killed = 0
+        end = time.monotonic() + 60
+        while killed < times and time.monotonic() < end:
+            for rank in children_of(process.pid):
+                for waiting in children_of(rank):
+                    for worker in children_of(waiting):
+                        if time_used(worker) < 0.1:
+                            continue
+                        os.kill(int(worker), signal.SIGKILL)
+                        killed += 1
+            time.sleep(0.02)
+        self.assertEqual(killed, times)
+
+    def test_compare_has_what_was_killed_done_again(self):
+        for times, status in ((1, "feasible"), (2, "failed")):
+            with self.subTest(times=times):
+                # Of these only the second takes a while.
+                process = start(2, "compare", "3piece", "lattice", "2x3", "--methods", "exhaustive", "--csv", "--time-limit", "1")
+                self.kill_workers(process, times)
+                out, error = process.communicate(timeout=60)
+                rows = [line.split(",") for line in out.splitlines()[1:]]
+                self.assertEqual([row[:3] for row in rows], [["3piece", "exhaustive", "optimal"], ["lattice", "exhaustive", status],
+                                                             ["2x3", "exhaustive", "optimal"]], error)
+                self.assertEqual(process.returncode, 0 if times == 1 else 40)
+                if times == 2:
+                    self.assertEqual(rows[1][11], "failed on two ranks: killed by signal 9 (Killed)")
+                    self.assertIn("lattice failed on two ranks: killed by signal 9 (Killed)", error)
+
+    def test_the_processes_of_a_killed_rank_end_with_it(self):
+        process = start(2, "compare", "lattice", "lattice", "--methods", "exhaustive", "--time-limit", "60")
+        workers = []
+        end = time.monotonic() + 60
+        while len(workers) < 2 and time.monotonic() < end:
+            workers = [worker for rank in children_of(process.pid) for waiting in children_of(rank) for worker in children_of(waiting)]
+            time.sleep(0.02)
+        os.kill(int(children_of(process.pid)[1]), signal.SIGKILL)
+        process.communicate(timeout=60)
+        self.assertNotEqual(process.returncode, 0)
+        end = time.monotonic() + 10
+        while any(Path("/proc", worker).exists() for worker in workers) and time.monotonic() < end:
+            time.sleep(0.02)
+        self.assertEqual([worker for worker in workers if Path("/proc", worker).exists()], [])
 
     def test_a_stop_of_compare_prints_the_rows_so_far(self):
         process = start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv", **PATIENT)

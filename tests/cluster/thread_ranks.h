@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "orasp/cluster/ranks.h"
+#include "orasp/model/error.h"
 
 namespace orasp {
 

@@ -4,9 +4,10 @@
 #include <charconv>
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <future>
+#include <iterator>
 #include <new>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -15,6 +16,9 @@ namespace orasp {
 namespace {
 
 using Work = std::function<std::string(std::size_t, const std::stop_token&)>;
+using Failed = std::function<std::string(std::size_t, const std::string&)>;
+
+constexpr std::ptrdiff_t kMostTries = 2;
 
 // Letters: from rank 0 "do 7", "stop" and "end"; to it "+7 ANSWER", "-7 WHY NOT" and "stop".
 constexpr const char* kStop = "stop";
@@ -100,8 +104,9 @@ void serve(Ranks& ranks, const Work& work, const std::stop_token& stop) {
 /// What rank 0 does.
 class HandingOut {
  public:
-  HandingOut(Ranks& ranks, std::size_t pieces, const Work& work)
+  HandingOut(Ranks& ranks, std::size_t pieces, const Work& work, const Failed& failed)
       : ranks_(ranks),
+        failed_(failed),
         desk_(work, stopping_.get_token()),
         answers_(pieces),
         tried_(pieces, std::vector<bool>(ranks.size())),
@@ -130,7 +135,6 @@ class HandingOut {
       if (idle) std::this_thread::sleep_for(kNap);
     }
     for (std::size_t rank = 1; rank < ranks_.size(); ++rank) ranks_.post(rank, kEnd);
-    if (!waiting_.empty()) throw std::runtime_error(failure_);
     return std::move(answers_);
   }
 
@@ -157,8 +161,13 @@ class HandingOut {
     if (outcome.done) {
       answers_[outcome.piece] = outcome.text;
     } else if (!stopped_) {
-      failure_ = outcome.text;
-      waiting_.push_front(outcome.piece);
+      const std::vector<bool>& tried = tried_[outcome.piece];
+      const auto tries = std::ranges::count(tried, true);
+      if (tries < kMostTries && tries < std::ssize(tried)) {
+        waiting_.push_front(outcome.piece);
+      } else {
+        answers_[outcome.piece] = failed_(outcome.piece, outcome.text);
+      }
     }
   }
   void stop_all() {
@@ -170,6 +179,7 @@ class HandingOut {
   }
 
   Ranks& ranks_;
+  const Failed& failed_;
   std::stop_source stopping_;
   Desk desk_;
   std::vector<std::optional<std::string>> answers_;
@@ -177,15 +187,15 @@ class HandingOut {
   /// By piece and rank.
   std::vector<std::vector<bool>> tried_;
   std::vector<bool> busy_;
-  std::string failure_;
   bool stopped_ = false;
 };
 
 }  // namespace
 
 std::vector<std::optional<std::string>> share_out(Ranks& ranks, std::size_t pieces,
-                                                  const Work& work, const std::stop_token& stop) {
-  if (ranks.rank() == 0) return HandingOut(ranks, pieces, work).run(stop);
+                                                  const Work& work, const Failed& failed,
+                                                  const std::stop_token& stop) {
+  if (ranks.rank() == 0) return HandingOut(ranks, pieces, work, failed).run(stop);
   serve(ranks, work, stop);
   return {};
 }
