@@ -16,6 +16,8 @@
 #include "orasp/certificate/certificate.h"
 #include "orasp/io/certificate_json.h"
 #include "orasp/io/plan_json.h"
+#include "orasp/io/state_policy_json.h"
+#include "orasp/model/transition_system.h"
 
 namespace orasp::cli {
 namespace {
@@ -69,6 +71,46 @@ Certificate read_certificate(const Problem& problem, const std::string& file) {
   }
 }
 
+bool is_state_policy(const std::string& text) {
+  const nlohmann::json file = nlohmann::json::parse(text, nullptr, false);
+  return file.is_object() && file.value("format", nlohmann::json()) == "orasp-state-policy/1";
+}
+
+/// The steps of a policy for attempts that are made again until they succeed.
+std::vector<ConnectionIndex> steps_of_policy(const Problem& problem, const std::string& text,
+                                             const std::string& file) {
+  const std::string name = file == "-" ? "standard input" : file;
+  const TransitionSystem system(problem);
+  std::vector<PolicyState> states;
+  try {
+    states = parse_state_policy(system, text);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", name, error.what()));
+  }
+  std::vector<ConnectionIndex> steps;
+  ConnectionSet open = system.start();
+  while (!open.empty()) {
+    const auto here = std::ranges::find(states, open, &PolicyState::open);
+    if (here == states.end() || !open.contains(here->next))
+      throw InputError(fmt::format("{}: the policy says nothing of the state after step {}", name,
+                                   steps.size()));
+    steps.push_back(here->next);
+    open.erase(here->next);
+  }
+  return steps;
+}
+
+OptimalityCheck checked_plan(const Problem& problem, const std::string& text,
+                             const std::string& file, const Certificate& certificate,
+                             const Context& context) {
+  if (is_state_policy(text))
+    return check_optimality(problem, steps_of_policy(problem, text, file), certificate);
+  require_plan_for(problem, text, file);
+  const PlanFile plan = parse_plan_text(text, file, problem.direction());
+  warn_of_another_problem(context, plan.problem_digest, problem);
+  return check_optimality(problem, plan, certificate);
+}
+
 }  // namespace
 
 int run(const CheckOptions& options, const Context& context) {
@@ -88,10 +130,7 @@ int run(const CheckOptions& options, const Context& context) {
   if (infeasible) {
     verdict.check = check_infeasibility(problem, certificate);
   } else {
-    require_plan_for(problem, text, options.plan);
-    const PlanFile plan = parse_plan_text(text, options.plan, problem.direction());
-    warn_of_another_problem(context, plan.problem_digest, problem);
-    verdict.check = check_optimality(problem, plan, certificate);
+    verdict.check = checked_plan(problem, text, options.plan, certificate, context);
   }
   print_result(context, options.output, options.json, as_json(verdict),
                [&] { return summary(problem, verdict, options); });
@@ -103,10 +142,10 @@ CommandWork check_command(CommandLine& line) {
   CheckOptions& options = *chosen;
   line.about("Checks a certificate: that no plan earns more than this one, or that there is none.");
   line.positional("PROBLEM", options.problem, kProblemHelp);
-  line.positional(
-      "PLAN", options.plan,
-      "a plan as `orasp evaluate` takes it, or the word none where the certificate says "
-      "that there is no plan; - for standard input");
+  line.positional("PLAN", options.plan,
+                  "a plan as `orasp evaluate` takes it, a policy of `orasp solve`, or the word "
+                  "none where the certificate says "
+                  "that there is no plan; - for standard input");
   line.positional("CERTIFICATE", options.certificate,
                   "what `orasp solve --certificate` wrote; - for standard input");
   add_problem_options(line, options.changes);

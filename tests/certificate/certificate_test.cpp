@@ -371,6 +371,90 @@ TEST(CertificateTest, ADamagedOneHoldsOnlyWhereItStillTellsTheTruth) {
   EXPECT_GE(refused, least_of(1000));
 }
 
+/// What the best plan earns from a state on, where each attempt is made again until it succeeds;
+/// -infinity where none leads on. Brute force: `world` has every attempt succeed.
+double best_of_attempts(const oracle::World& world, const std::vector<double>& success,
+                        const oracle::State& open, std::map<oracle::State, double>& known) {
+  if (const auto found = known.find(open); found != known.end()) return found->second;
+  double best = std::ranges::find(open, true) == open.end() ? 0 : -kInfinity;
+  for (const oracle::Facts& facts : world.legal_facts(open)) {
+    oracle::State next = open;
+    next[facts.connection] = false;
+    best = std::max(best, facts.reward / success[facts.connection] +
+                              best_of_attempts(world, success, next, known));
+  }
+  known[open] = best;
+  return best;
+}
+
+/// Attempts that succeed with the same probability, or with one of each connection's own.
+TEST(CertificateTest, PlansOfAttemptsMadeAgainUntilTheySucceedAreCertified) {
+  std::map<Certificate::Kind, int> met;
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
+    ProblemSpec spec = seed % 2 == 0 ? random_problem(seed) : problem_of_pieces(seed);
+    if (seed % 4 == 0)
+      spec.objective = random_objective(
+          std::vector<std::string>{"cubesat", "completion", "piece_cost", "time"}[seed / 4 % 4],
+          seed);
+    SCOPED_TRACE(spec.name + " " + std::to_string(seed));
+    // Of which this brute force knows nothing.
+    spec.base.clear();
+    spec.limits.grounded = false;
+    const oracle::World world(spec);
+    SplitMix64 random(seed);
+    std::vector<double> success;
+    for (Connection& connection : spec.connections) {
+      connection.on_failure = {};
+      connection.success =
+          std::vector<double>{0.9, 0.3, 0.8, 1}[seed % 3 == 0 ? 0 : random.below(4)];
+      success.push_back(connection.success);
+    }
+    const Problem problem(spec);
+    if (!without_certificates(problem).empty()) continue;
+    std::map<oracle::State, double> known;
+    const double truth = world.start_infeasible()
+                             ? -kInfinity
+                             : best_of_attempts(world, success, world.start(), known);
+    const auto is_true = [&](double bound) { return bound >= truth - reward_tolerance(truth); };
+    const Result result = solve(problem, "auto");
+    ASSERT_EQ(result.has_plan(), std::isfinite(truth));
+    using Plan = std::optional<std::span<const ConnectionIndex>>;
+    const Certified found =
+        certify(problem, result.has_plan() ? Plan(result.sequence) : std::nullopt);
+    ASSERT_TRUE(found.certificate) << found.reason;
+    const Certificate certificate =
+        parse_certificate(problem, certificate_text(problem, *found.certificate));
+    ++met[certificate.kind];
+    if (result.has_plan()) {
+      const OptimalityCheck check = check_optimality(problem, result.sequence, certificate);
+      EXPECT_TRUE(check.proved) << check.fault;
+      EXPECT_NEAR(check.reward, truth, reward_tolerance(truth));
+      EXPECT_NEAR(certificate.bound, truth, reward_tolerance(truth));
+    } else {
+      EXPECT_TRUE(check_infeasibility(problem, certificate).proved);
+    }
+    // The cheapest proof of anything, tight or not.
+    const Certified any = make_certificate(problem, kInfinity, 0);
+    ASSERT_TRUE(any.certificate) << any.reason;
+    EXPECT_TRUE(is_true(any.certificate->bound)) << any.certificate->bound << " < " << truth;
+    for (int i = 0; i < 4; ++i) {
+      Certificate damaged = certificate;
+      if (!damage(damaged, random)) continue;
+      const CertificateCheck check = check_certificate(problem, damaged);
+      refused += check.holds ? 0 : 1;
+      if (check.holds) {
+        EXPECT_TRUE(is_true(damaged.bound)) << certificate_text(problem, damaged);
+      }
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_GE(met[Certificate::Kind::Sizes], least_of(50));
+  EXPECT_GE(met[Certificate::Kind::Pieces], least_of(50));
+  EXPECT_GE(met[Certificate::Kind::States], least_of(50));
+  EXPECT_GE(refused, least_of(500));
+}
+
 // In decimals the three steps cost 0.1 each, 0.3 in all; in binary 0.1 + 0.1 + 0.1 is above 0.3. A
 // sum that is not rounded up proves less than the sum of the very numbers that it adds.
 TEST(CertificateTest, RoundingMakesNoProof) {

@@ -36,6 +36,25 @@ class Check(Case):
                     self.assertEqual((verdict["proved"], verdict["claim"], verdict["kind"]), (True, "optimal", kind))
                     self.assertAlmostEqual(verdict["reward"], verdict["bound"], places=9)
 
+    def test_attempts_made_again_until_they_succeed_are_proved_by_policy_and_by_plan(self):
+        problem = json.loads(assembly(["1-2", "2-3", "3-4"], objective={"type": "piece_cost", "operation": 1}))
+        for connection, success in zip(problem["connections"], (1, 0.5, 0.25), strict=True):
+            connection["success"] = success
+        problem = self.file("p.json", json.dumps(problem))
+        policy, certificate = self.certified(problem)
+        # One attempt and two; the last step costs nothing, however often it is tried.
+        self.check(orasp("check", problem, policy, certificate), 0, out=r"proved: no plan is better\nreward +-3\n")
+        self.check(orasp("check", problem, "-", certificate, stdin='["2-3", "1-2", "3-4"]'), 0, out=r"reward +-3\n")
+        self.check(orasp("check", problem, "-", certificate, stdin='["3-4", "2-3", "1-2"]'), 10, out="the plan earns -6, ")
+        half = json.loads(self.read(policy))
+        del half["states"][1]
+        self.check(orasp("check", problem, "-", certificate, stdin=json.dumps(half)), 30,
+                   error="standard input: the policy says nothing of the state after step 1")
+        problem = json.loads(self.read(problem))
+        problem["connections"][1]["on_failure"] = {"abort": -1}
+        self.check(orasp("solve", "-", "--certificate", "x.json", stdin=json.dumps(problem)), 30,
+                   error="try until they succeed; here an attempt that fails may do more")
+
     def test_pieces_prove_what_their_sizes_do_not(self):
         # By sizes four parts come apart as two and two; with one subassembly at a time three are left together.
         problem = self.file("p.json", assembly(["1-2", "2-3", "3-4", "4-5"], limits={"max_subassemblies": 1},

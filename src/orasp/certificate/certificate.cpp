@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "orasp/certificate/detail/earned.h"
 #include "orasp/certificate/detail/outward.h"
 #include "orasp/certificate/detail/piece_proof.h"
 #include "orasp/certificate/detail/removals.h"
@@ -198,7 +199,8 @@ Certified certify(const Problem& problem, std::optional<std::span<const Connecti
                   const std::function<bool()>& stop) {
   if (!plan) return make_certificate(problem, std::nullopt, 0, kMostCertifiedStates, stop);
   const PlanCheck replay = check_plan(problem, Situation::whole(problem.num_connections()), *plan);
-  return make_certificate(problem, replay.reward, 2 * replay.tolerance, kMostCertifiedStates, stop);
+  const detail::Earned earned = detail::earned_by(problem, replay, *plan);
+  return make_certificate(problem, earned.reward, earned.tolerance, kMostCertifiedStates, stop);
 }
 
 }  // namespace orasp

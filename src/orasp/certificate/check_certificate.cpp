@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "orasp/certificate/certificate.h"
+#include "orasp/certificate/detail/earned.h"
 #include "orasp/certificate/detail/outward.h"
 #include "orasp/certificate/detail/piece_bound.h"
 #include "orasp/certificate/detail/piece_cuts.h"
@@ -152,7 +153,7 @@ std::string Checker::fault_of_pieces() {
     const auto& [parts, allowed, value] = certificate_.pieces[i];
     const auto check = [&, &value = value, &allowed = allowed](const detail::PieceCuts::Side& a,
                                                                const detail::PieceCuts::Side& b) {
-      const double worth = add_up(values.cut(a.size(), b.size()), values.of_both(a, b, allowed));
+      const double worth = add_up(values.cut(a, b), values.of_both(a, b, allowed));
       ++inequalities_;
       if (value >= worth) return true;
       fault = "pieces[" + std::to_string(i) + "]: " + detail::number_text(value) +
@@ -355,7 +356,8 @@ std::string without_certificates(const Problem& problem) {
   if (problem.objective().of_fleet()) return of + "; the objective is one of several robots";
   if (spec.action == StepKind::Part) return of + "; here steps take parts";
   if (spec.goal) return of + " until none is left; the problem has a goal";
-  if (problem.uncertain()) return of + "; here attempts may fail";
+  if (problem.uncertain() && !problem.only_retries())
+    return of + " and try until they succeed; here an attempt that fails may do more";
   if (detail::CheckedReward(problem).looks_back())
     return of + " and earns the same whatever came before; the objective looks back";
   if (detail::CheckedReward(problem).needs_step())
@@ -384,8 +386,9 @@ OptimalityCheck check_optimality(const Problem& problem, std::span<const Connect
                                  const Certificate& certificate) {
   OptimalityCheck verdict;
   const PlanCheck replay = check_plan(problem, Situation::whole(problem.num_connections()), plan);
-  verdict.reward = replay.reward;
-  verdict.tolerance = 2 * replay.tolerance;
+  const detail::Earned earned = detail::earned_by(problem, replay, plan);
+  verdict.reward = earned.reward;
+  verdict.tolerance = earned.tolerance;
   if (!replay.legal) {
     verdict.fault = "the plan is not legal: " + replay.fault;
     return verdict;
@@ -393,8 +396,8 @@ OptimalityCheck check_optimality(const Problem& problem, std::span<const Connect
   if (!holds(problem, certificate, verdict)) return verdict;
   if (certificate.bound == -kInfinity) {
     verdict.fault = "the certificate says that there is no plan, and here is one";
-  } else if (certificate.bound - replay.reward > verdict.tolerance) {
-    verdict.fault = "the plan earns " + detail::number_text(replay.reward) +
+  } else if (certificate.bound - verdict.reward > verdict.tolerance) {
+    verdict.fault = "the plan earns " + detail::number_text(verdict.reward) +
                     ", and the certificate bounds plans by " +
                     detail::number_text(certificate.bound) + " only";
   } else {

@@ -87,7 +87,7 @@ class PieceProver {
     for (std::size_t a = 1; a <= parts / 2; ++a) wanted[a] = own_loss(a, parts - a) < limit;
     const bool all =
         cuts_.for_each(piece, wanted, kMostCertifiedCuts, [&](const Side& a, const Side& b) {
-          cuts.push_back({own_loss(a.size(), b.size()), a, b});
+          cuts.push_back({own_loss(a.size(), b.size(), values_.cut(a, b)), a, b});
           return !(cuts.size() % 1024 == 0 && stop_());
         });
     if (!all) give_up();
@@ -110,9 +110,11 @@ class PieceProver {
     return best;
   }
 
-  // What rounding makes of a cut that loses nothing is nothing.
   [[nodiscard]] double own_loss(std::size_t a, std::size_t b) const {
-    const double gain = values_.cut(a, b);
+    return own_loss(a, b, values_.cut(a, b));
+  }
+  // What rounding makes of a cut that loses nothing is nothing.
+  [[nodiscard]] double own_loss(std::size_t a, std::size_t b, double gain) const {
     const double loss = sizes_[a + b] - gain - sizes_[a] - sizes_[b];
     const double scale =
         std::abs(sizes_[a + b]) + std::abs(gain) + std::abs(sizes_[a]) + std::abs(sizes_[b]);
@@ -152,8 +154,7 @@ class PieceProver {
       };
       const bool all =
           cuts.for_each(known.parts, above, kMostCertifiedCuts, [&](const Side& a, const Side& b) {
-            most = std::max(most, add_up(values_.cut(a.size(), b.size()),
-                                         values_.of_both(a, b, known.allowed)));
+            most = std::max(most, add_up(values_.cut(a, b), values_.of_both(a, b, known.allowed)));
             for (const auto& half : values_.halves(a.size(), b.size(), known.allowed)) {
               use(a, half.a);
               use(b, half.b);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 #include "orasp/certificate/detail/outward.h"
 #include "orasp/model/tolerance.h"
@@ -10,10 +11,17 @@ namespace orasp::detail {
 
 PieceValues::PieceValues(const Problem& problem, const SizeRewards& rewards,
                          const std::vector<double>& sizes)
-    : rewards_(rewards),
+    : problem_(problem),
+      rewards_(rewards),
       sizes_(sizes),
       limited_(problem.limits().max_subassemblies.has_value()),
-      allowed_(problem.limits().max_subassemblies.value_or(0)) {}
+      allowed_(problem.limits().max_subassemblies.value_or(0)) {
+  if (!problem.uncertain()) return;
+  around_.resize(problem.num_parts());
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    for (const PartIndex part : problem.ends(c)) around_[part].push_back(c);
+  }
+}
 
 std::size_t PieceValues::useful(std::size_t allowed, std::size_t parts) const {
   if (!limited_) return 0;
@@ -56,6 +64,22 @@ double PieceValues::of_both(Parts a, Parts b, std::size_t allowed) const {
 
 double PieceValues::cut(std::size_t a, std::size_t b) const {
   return std::max(rewards_.cut(a, b), rewards_.cut(b, a));
+}
+
+double PieceValues::cut(Parts a, Parts b) const {
+  if (around_.empty()) return cut(a.size(), b.size());
+  std::optional<Attempts> attempts;
+  for (const PartIndex part : a) {
+    for (const ConnectionIndex c : around_[part]) {
+      const auto [one, other] = problem_.ends(c);
+      if (!std::ranges::binary_search(b, one == part ? other : one)) continue;
+      const Attempts here = attempts_at(problem_, c);
+      attempts = attempts ? united(*attempts, here) : here;
+    }
+  }
+  if (!attempts) return cut(a.size(), b.size());
+  return std::max(rewards_.cut(a.size(), b.size(), *attempts),
+                  rewards_.cut(b.size(), a.size(), *attempts));
 }
 
 std::vector<bool> PieceValues::sizes_above(std::size_t parts, double value) const {

@@ -50,13 +50,18 @@ class PieceValues {
   [[nodiscard]] double of_both(Parts a, Parts b, std::size_t allowed) const;
   /// What a cut into so many parts gains itself, whichever side the first part is on.
   [[nodiscard]] double cut(std::size_t a, std::size_t b) const;
+  /// The same of a cut into these: it happens at a connection that joins the two.
+  [[nodiscard]] double cut(Parts a, Parts b) const;
   /// By the smaller number of parts: whether a cut of `parts` parts into so many is worth more than
   /// `value` by sizes.
   [[nodiscard]] std::vector<bool> sizes_above(std::size_t parts, double value) const;
 
  private:
+  const Problem& problem_;
   const SizeRewards& rewards_;
   const std::vector<double>& sizes_;
+  /// By part; nothing where all attempts succeed.
+  std::vector<std::vector<ConnectionIndex>> around_;
   bool limited_;
   std::size_t allowed_;
   std::unordered_map<Key, double> listed_;

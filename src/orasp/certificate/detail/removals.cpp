@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "orasp/certificate/detail/attempts.h"
 #include "orasp/certificate/detail/outward.h"
 
 namespace orasp::detail {
@@ -252,7 +253,8 @@ Removals::Reward Removals::reward() const {
   // Sums over parts and over terms lose less than a unit in the last place for each addend.
   const double lost = static_cast<double>(problem_.num_parts() + 64) *
                       std::numeric_limits<double>::epsilon() * value.magnitude;
-  return {add_up(value.reward, add_up(value.rounding, lost)), value.reward, value.finite};
+  const double most = add_up(value.reward, add_up(value.rounding, lost));
+  return {all_together(most, attempts_at(problem_, connection_)), value.finite};
 }
 
 }  // namespace orasp::detail

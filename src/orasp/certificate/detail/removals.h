@@ -37,10 +37,9 @@ class Removals {
   /// they: limits on what moves, grounded pieces, blocking. Both are not empty, and ascending. What
   /// look_at() was told is kept; what allowed() was asked about last is not.
   [[nodiscard]] bool cut_allowed(const std::vector<PartIndex>& a, const std::vector<PartIndex>& b);
-  /// A sum that is at least what the step earns, and the step's reward itself.
+  /// A sum that is at least what the step earns, with all attempts that it takes on average.
   struct Reward {
     double most = 0;
-    double reward = 0;
     bool finite = true;
   };
   /// Of the connection that allowed() was asked about last.

@@ -50,6 +50,13 @@ SizeRewards::SizeRewards(const Problem& problem) : problem_(problem) {
     starts_[parts] = true;
     largest_ = std::max(largest_, parts);
   }
+  bool any = false;
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    if (problem.ends(c)[0] == problem.ends(c)[1]) continue;
+    const Attempts here = attempts_at(problem, c);
+    attempts_ = any ? united(attempts_, here) : here;
+    any = true;
+  }
   some_fixed_ = !problem.spec().base.empty();
   some_stay_ = problem.spec().base.size() > 1;
 }
@@ -87,10 +94,10 @@ double SizeRewards::own(ConnectionIndex connection) const {
     if (std::holds_alternative<TimeObjective>(*parameters))
       sum = add_up(sum, multiply_up(weight, -problem_.connections()[connection].duration));
   }
-  return sum;
+  return all_together(sum, attempts_at(problem_, connection));
 }
 
-double SizeRewards::cut(std::size_t a, std::size_t b) const {
+double SizeRewards::one_cut(std::size_t a, std::size_t b) const {
   double sum = 0;
   for (const auto& [weight, parameters] : addends_) {
     if (const auto* const cost = std::get_if<PieceCost>(parameters))
@@ -126,7 +133,7 @@ double SizeRewards::last(ConnectionIndex connection, bool separates, std::size_t
       if (separates) sum = add_up(sum, transfer(weight, time->transfer));
     }
   }
-  return sum;
+  return all_together(sum, attempts_at(problem_, connection));
 }
 
 // A single part costs less from the zone, where its piece has at most three parts and is not a

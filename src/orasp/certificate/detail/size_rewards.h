@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "orasp/certificate/detail/attempts.h"
 #include "orasp/model/problem.h"
 
 namespace orasp::detail {
@@ -15,7 +16,9 @@ namespace orasp::detail {
 ///     a step that does not complete earns  own(c) + (cut(a, b) if it separates),
 ///     the one that completes earns         last(c, separates, a, b).
 ///
-/// Each of the three is rounded up, and the greatest where several values are possible.
+/// Each of the three is rounded up, and the greatest where several values are possible. Where
+/// attempts are made again until they succeed, each is what all attempts earn together on average;
+/// of a cut, at whatever connection it happens.
 class SizeRewards {
  public:
   explicit SizeRewards(const Problem& problem);
@@ -23,7 +26,13 @@ class SizeRewards {
   /// Whether the objective is one of those above.
   [[nodiscard]] bool known() const { return known_; }
   [[nodiscard]] double own(ConnectionIndex connection) const;
-  [[nodiscard]] double cut(std::size_t a, std::size_t b) const;
+  [[nodiscard]] double cut(std::size_t a, std::size_t b) const {
+    return all_together(one_cut(a, b), attempts_);
+  }
+  /// The same at a connection that is tried so often.
+  [[nodiscard]] double cut(std::size_t a, std::size_t b, const Attempts& attempts) const {
+    return all_together(one_cut(a, b), attempts);
+  }
   [[nodiscard]] double last(ConnectionIndex connection, bool separates, std::size_t a,
                             std::size_t b) const;
 
@@ -33,6 +42,7 @@ class SizeRewards {
     const ObjectiveParameters* parameters;
   };
   void add(const Objective& objective, double weight);
+  [[nodiscard]] double one_cut(std::size_t a, std::size_t b) const;
   [[nodiscard]] double zone_cut(double weight, std::size_t a, std::size_t b) const;
   [[nodiscard]] double transfer(double weight, double seconds) const;
   [[nodiscard]] double fuel_cut(double weight, const Fuel& fuel, std::size_t a,
@@ -41,6 +51,7 @@ class SizeRewards {
   const Problem& problem_;
   bool known_ = true;
   std::vector<Addend> addends_;
+  Attempts attempts_;         ///< at any connection that joins two parts
   std::vector<bool> starts_;  ///< by size: whether the whole product has a piece of that many parts
   std::size_t largest_ = 0;   ///< of its pieces
   bool some_fixed_ = false;   ///< a base part decides which side moves
