@@ -34,6 +34,8 @@ class Maker {
   }
 
  private:
+  static constexpr std::array<const char*, 4> kQuarters = {"+x", "+y", "-x", "-y"};
+
   [[nodiscard]] std::size_t below(std::size_t n) {
     return static_cast<std::size_t>(random_.below(n));
   }
@@ -64,6 +66,12 @@ class Maker {
     }
     spec_.blocking->blocked.push_back({part, by, std::move(directions), {}});
   }
+  /// Turned by so many quarters: all that is not blocked in direction 0.
+  static std::vector<std::string> all_but_one(std::size_t quarters) {
+    std::vector<std::string> directions;
+    for (std::size_t i = 1; i < 4; ++i) directions.push_back(kQuarters[(i + quarters) % 4]);
+    return directions;
+  }
   void precede(const std::string& what, const std::string& after) {
     Precedence clause;
     clause.connection = what;
@@ -81,6 +89,7 @@ class Maker {
       const std::size_t many = between(2, std::min<std::size_t>(left, 5));
       left -= many;
       const bool blocked = chance(0.4);
+      const bool turned = blocked && chance(0.5);
       for (std::size_t i = 0; i < many; ++i) {
         const std::string leaf = part(kind == 0 ? 1 : 2);
         const std::string c = connect(middle, leaf, kind == 0 ? 1 : 3);
@@ -88,7 +97,9 @@ class Maker {
         if (kind == 1) kinds.push_back(c);
         if (blocked)
           block(leaf, middle,
-                kind == 0 ? std::vector<std::string>{"+x"} : std::vector<std::string>{"-y", "+y"});
+                turned      ? all_but_one(i)
+                : kind == 0 ? std::vector<std::string>{"+x"}
+                            : std::vector<std::string>{"-y", "+y"});
       }
     }
     if (chance(0.5) && !kinds.empty()) {
@@ -115,7 +126,8 @@ class Maker {
     std::vector<std::size_t> parent;
     for (std::size_t i = 0; i < size; ++i) parent.push_back(below(i + 1));
     const bool ordered = size > 1 && chance(0.4);
-    const bool blocked = chance(0.3);
+    const bool blocked = chance(0.4);
+    const bool turned = blocked && chance(0.6);
     const bool made_any = size > 1 && chance(0.2);
     const bool second_link = size > 1 && many * (size + 1) <= 9 && chance(0.3);
     for (std::size_t copy = 0; copy < many; ++copy) {
@@ -138,7 +150,10 @@ class Maker {
         clause.made_after_any = {links.back()};
         spec_.precedence.push_back(clause);
       }
-      if (blocked) block(here.back(), middle, {"+x", "-x"});
+      if (blocked)
+        block(here.back(), middle,
+              turned ? all_but_one(copy) : std::vector<std::string>{"+x", "-x"});
+      if (turned && size > 1) block(here[1], here[2], {kQuarters[copy % 4]});
     }
   }
 
@@ -153,6 +168,9 @@ class Maker {
     }
     if (chance(0.3)) {
       for (std::size_t i = 0; i < many; ++i) block(here[i], here[(i + 1) % many], {"+x"});
+    } else if (many == 4 && chance(0.7)) {
+      for (std::size_t i = 0; i < many; ++i)
+        block(here[i], here[(i + 1) % many], chance(0.9) ? all_but_one(i) : all_but_one(0));
     }
   }
 

@@ -641,11 +641,21 @@ TEST(Symmetry, WhatTellsPartsApartCounts) {
   spec.blocking->directions = {"+x", "-x"};
   spec.blocking->blocked = {{"nut 0", "plate", {"+x"}, {}}, {"plate", "nut 1", {"-x"}, {}}};
   EXPECT_EQ(order_of(spec), 4);  // the two facts say the same, one of each nut
+  // Directions may be exchanged, of all pairs at once.
   spec.blocking->blocked[1].directions = {"+x"};
+  EXPECT_EQ(order_of(spec), 4);
+  spec.blocking->blocked = {{"nut 0", "plate", {"+x"}, {}},
+                            {"nut 1", "plate", {"-x"}, {}},
+                            {"nut 2", "plate", {"+x"}, {}},
+                            {"nut 3", "plate", {"-x"}, {}}};
+  EXPECT_EQ(order_of(spec), 8);  // the two of a kind, and one kind with the other
+  spec.blocking->blocked.pop_back();
   EXPECT_EQ(order_of(spec), 2);
   spec.blocking->directions = {"+x", "-x", "+y", "-y"};
   spec.blocking->blocked = {{"nut 0", "plate", {"+x", "-x", "+y"}, {}},
                             {"nut 1", "plate", {"+x", "+y", "-y"}, {}}};
+  EXPECT_EQ(order_of(spec), 4);
+  spec.blocking->blocked[1].directions = {"+x", "-x"};
   EXPECT_EQ(order_of(spec), 2);
   spec = star(4);
   spec.parts[2].position = Vector3{1, 2, 3};
@@ -653,6 +663,25 @@ TEST(Symmetry, WhatTellsPartsApartCounts) {
   EXPECT_EQ(order_of(spec), 24);  // cubesat looks at neither
   spec.objective = Objective::named("time");
   EXPECT_EQ(order_of(spec), 1);
+}
+
+// Who blocks whom counts, not only in which directions each is blocked.
+TEST(Symmetry, WhatIsBlockedStaysBlockedByTheSame) {
+  if (!has_nauty()) GTEST_SKIP() << "built without nauty";
+  ProblemSpec spec;
+  for (const std::string id : {"a", "b", "c", "d"}) {
+    for (const Part& other : spec.parts) spec.connections.push_back({.parts = {other.id, id}});
+    spec.parts.push_back({.id = id});
+  }
+  EXPECT_EQ(order_of(spec), 24);
+  spec.blocking.emplace();
+  spec.blocking->directions = {"+x", "-x", "+y", "-y"};
+  spec.blocking->blocked = {{"a", "b", {"+x"}, {}}, {"c", "d", {"+y"}, {}}};
+  // Each pair may be reversed, and one pair exchanged with the other.
+  EXPECT_EQ(order_of(spec), 8);
+  spec.blocking->blocked[1].directions = {"+x"};
+  // Both pairs are reversed, or none.
+  EXPECT_EQ(order_of(spec), 4);
 }
 
 TEST(Symmetry, ObjectivesThatMayTellPartsApartAreRefused) {

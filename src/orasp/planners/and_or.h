@@ -15,7 +15,7 @@
 namespace orasp {
 
 inline constexpr std::size_t kAndOrMostParts = 1024;
-inline constexpr double kAndOrLeastSaving = 2;
+inline constexpr double kAndOrLeastSaving = 1.5;
 inline constexpr double kAndOrLeastSavingOfKept = 16;
 
 /// The search goes in rounds, each twice as long as the one before.

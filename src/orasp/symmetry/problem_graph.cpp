@@ -41,6 +41,9 @@ class Key {
   std::string text_;
 };
 
+/// With more directions than these none is taken for another.
+constexpr std::size_t kMostTurnedDirections = 64;
+
 /// Of formulas: what a symmetry leaves as it is, whatever rounding does. Masses of pieces are sums
 /// in some order, `index` and `distance` see what is no colour.
 constexpr std::array<std::string_view, 8> kSafeVariables = {
@@ -251,10 +254,35 @@ class Builder {
     }
   }
 
-  // One of two parts that block each other says all: what it blocks along a direction, the other
-  // blocks along the opposite. It is the one whose directions come first, so that the order of the
-  // file does not matter.
+  // Each part that another one blocks, with the directions in which it does: in both orders, since
+  // what it blocks along a direction is blocked by it along the opposite. A step is legal if there
+  // is some direction in which nothing is in the way, so nothing but which directions the pairs
+  // have in common counts: directions are vertices, and may be exchanged, of all pairs at once.
   void add_blocking() {
+    if (problem_.directions().size() > kMostTurnedDirections) return add_fixed_blocking();
+    std::map<std::size_t, std::uint32_t> vertex_of_direction;
+    for (const DirectionIndex d : problem_.directions())
+      vertex_of_direction.emplace(d.value(), vertex("direction"));
+    // By the pair, the smaller part first: the vertices of its two orders.
+    std::map<std::pair<PartIndex, PartIndex>, std::uint32_t> other_order;
+    for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
+      for (const Blocker& blocker : problem_.blockers()[part]) {
+        const std::uint32_t here = vertex("blocked");
+        join(here, part);
+        for (const DirectionIndex d : problem_.directions()) {
+          if (problem_.blocks(blocker, d.value())) join(here, vertex_of_direction.at(d.value()));
+        }
+        const std::pair<PartIndex, PartIndex> pair = std::minmax<PartIndex>(part, blocker.by);
+        const auto [there, is_new] = other_order.emplace(pair, here);
+        if (!is_new) join(here, there->second);
+      }
+    }
+  }
+
+  // Where there are many directions: each stays what it is. One of two parts that block each other
+  // says all. It is the one whose directions come first, so that the order of the file does not
+  // matter.
+  void add_fixed_blocking() {
     const auto directions = [&](const Blocker& blocker, bool turned) {
       std::string text;
       for (const DirectionIndex d : problem_.directions())

@@ -18,7 +18,11 @@ namespace orasp {
 ///           other have vertices of their own.
 /// Colours.  All that the problem says of a part or connection, but for ids, names and positions:
 ///           mass, numbers, whether it is in the base; duration, success, numbers, attributes, and
-///           whether it is still to be handled; of a pair, the directions, which stay as they are.
+///           whether it is still to be handled.
+/// Blocking. Directions are vertices as well, joined to the pairs that are blocked in them, and may
+///           be exchanged, as they are where the product is turned or reflected: a step is legal
+///           where some direction is free, whichever it is. Of more than 64 directions each stays
+///           what it is.
 /// Off.      The list of what is known is explicit: a member of the problem's types that it does
 ///           not name is an error of compilation, an objective that it does not name a reason
 ///           against all symmetry. So are objectives that look at positions or at the order of the
