@@ -183,6 +183,15 @@ bool damage(Certificate& certificate, SplitMix64& random) {
       }
       return true;
     }
+    case Certificate::Kind::Prices: {
+      const std::size_t at = random.below(certificate.prices.size());
+      if (random.below(4) == 0) {
+        certificate.prices.erase(certificate.prices.begin() + static_cast<std::ptrdiff_t>(at));
+      } else {
+        certificate.prices[at] = other(certificate.prices[at]);
+      }
+      return true;
+    }
     case Certificate::Kind::Pieces: {
       if (certificate.pieces.empty()) return false;
       const std::size_t at = random.below(certificate.pieces.size());
@@ -369,6 +378,63 @@ TEST(CertificateTest, ADamagedOneHoldsOnlyWhereItStillTellsTheTruth) {
     }
   }
   EXPECT_GE(refused, least_of(1000));
+}
+
+/// Parts of different masses under `fuel`, alone and in a sum, with a base part or none.
+TEST(CertificateTest, PricesProveWhatDifferentMassesTake) {
+  std::map<Direction, int> tight;
+  int with_base = 0;
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
+    ProblemSpec spec = problem_of_pieces(seed);
+    spec.direction = seed % 2 == 0 ? Direction::Disassembly : Direction::Assembly;
+    SplitMix64 random(seed ^ 0x7072696365ULL);
+    for (Part& part : spec.parts) part.mass = 0.5 + 0.25 * static_cast<double>(random.below(9));
+    if (spec.base.empty() && seed % 3 == 0) spec.base = {spec.parts.back().id};
+    if (spec.base.size() > 1) spec.base.resize(1);
+    if (seed % 3 == 1) spec.blocking.reset();
+    spec.objective = Objective::named("fuel");
+    if (seed % 4 == 0)
+      spec.objective = {"sum", WeightedSum{.terms = {{0.7, Objective::named("fuel")},
+                                                     {1, Objective::named("completion")}}}};
+    SCOPED_TRACE(seed);
+    const Problem problem(spec);
+    const oracle::WideResult truth = oracle::wide_brute_force(spec);
+    const auto is_true = [&](double bound) {
+      return !truth.best || bound >= *truth.best - reward_tolerance(*truth.best);
+    };
+    // The cheapest proof of anything, tight or not.
+    const Certified any = make_certificate(problem, kInfinity, 0);
+    ASSERT_TRUE(any.certificate) << any.reason;
+    EXPECT_TRUE(is_true(any.certificate->bound)) << any.certificate->bound;
+    if (any.certificate->kind != Certificate::Kind::Prices) continue;
+    with_base += spec.base.empty() ? 0 : 1;
+    const Certificate certificate =
+        parse_certificate(problem, certificate_text(problem, *any.certificate));
+    EXPECT_TRUE(check_certificate(problem, certificate).holds);
+    if (truth.best && certificate.bound <= *truth.best + reward_tolerance(*truth.best)) {
+      ++tight[problem.direction()];
+      const Answer found = answer(problem);
+      EXPECT_TRUE(check_optimality(problem, found.result.sequence, certificate).proved);
+    }
+    Certificate lower = certificate;
+    lower.bound = std::nextafter(lower.bound, -kInfinity);
+    EXPECT_EQ(check_certificate(problem, lower).holds, !std::isfinite(certificate.bound));
+    for (int i = 0; i < 6; ++i) {
+      Certificate damaged = certificate;
+      if (!damage(damaged, random)) continue;
+      const CertificateCheck check = check_certificate(problem, damaged);
+      refused += check.holds ? 0 : 1;
+      if (check.holds) {
+        EXPECT_TRUE(is_true(damaged.bound)) << certificate_text(problem, damaged);
+      }
+    }
+    if (HasFailure()) return;
+  }
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly})
+    EXPECT_GE(tight[direction], least_of(40));
+  EXPECT_GE(with_base, least_of(50));
+  EXPECT_GE(refused, least_of(500));
 }
 
 /// What the best plan earns from a state on, where each attempt is made again until it succeeds;

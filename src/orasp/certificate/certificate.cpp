@@ -17,11 +17,18 @@ namespace {
 
 using detail::add_up;
 
-/// Bellman's recursion over sizes, every sum rounded up.
-std::optional<Certificate> by_sizes(const Problem& problem) {
-  const detail::SizeRewards rewards(problem);
-  if (!rewards.known()) return std::nullopt;
+/// Bellman's recursion over sizes, every sum rounded up; `prices` beside it, where that says more.
+std::optional<Certificate> by_sizes(const Problem& problem, bool prices = false) {
+  const detail::SizeRewards rewards(problem, prices);
+  if (!rewards.known() || (prices && !rewards.priced())) return std::nullopt;
   Certificate certificate;
+  if (prices) {
+    certificate.kind = Certificate::Kind::Prices;
+    for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+      const bool fixed = problem.in_base(part);
+      certificate.prices.push_back(fixed ? 0.0 : std::min(0.0, rewards.price(part)));
+    }
+  }
   const auto pieces = detail::piece_sizes(problem, ConnectionSet::all(problem.num_connections()));
   const std::size_t largest = pieces.empty() ? 0 : *std::ranges::max_element(pieces);
   const bool limited = problem.limits().max_moved_parts && problem.spec().base.size() < 2;
@@ -178,8 +185,10 @@ Certified make_certificate(const Problem& problem, std::optional<double> reward,
     }
     if (auto found = by_locked_parts(problem)) return {found, {}};
   }
-  if (auto found = by_sizes(problem)) {
-    if (proves(*found)) return {found, {}};
+  auto sizes = by_sizes(problem);
+  if (sizes && proves(*sizes)) return {sizes, {}};
+  if (auto found = by_sizes(problem, true); found && proves(*found)) return {found, {}};
+  if (auto& found = sizes) {
     const detail::SizeRewards rewards(problem);
     // What is missing is told by the reward itself, so that the bound is no looser than it must be.
     found->kind = Certificate::Kind::Pieces;

@@ -20,6 +20,7 @@ namespace orasp {
 struct Certificate {
   enum class Kind {
     Sizes,   ///< what the cuts of a piece of n parts gain at most
+    Prices,  ///< what a cut gains at most that moves a part, beside Sizes
     Pieces,  ///< what the cuts of a piece of these very parts gain at most, beside Sizes
     States,  ///< what is still to be earned at most from each state that can be reached
     Waits,   ///< connections each of which waits for another of them: there is no plan
@@ -40,8 +41,10 @@ struct Certificate {
 
   Kind kind = Kind::Sizes;
   double bound = -kInfinity;  ///< no plan earns more; -infinity: there is none
-  /// Sizes and Pieces: by number of parts, from 0; -infinity where the limits allow no cut.
+  /// Sizes, Prices and Pieces: by number of parts, from 0; -infinity where the limits allow no cut.
   std::vector<double> sizes{};
+  /// Prices: by part, 0 or less; 0 of a base part.
+  std::vector<double> prices{};
   /// Pieces: those that are worth less than their size.
   std::vector<Piece> pieces{};
   /// States: by number of connections removed, from 0.
@@ -54,7 +57,7 @@ struct Certificate {
   std::array<PartIndex, 2> locked{};
 };
 
-/// "sizes", "pieces", "states", "waits", "locked".
+/// "sizes", "prices", "pieces", "states", "waits", "locked".
 [[nodiscard]] std::string_view kind_name(Certificate::Kind kind);
 
 /// Why there are no certificates for such a problem, in one sentence; empty where there are.
@@ -77,8 +80,8 @@ struct Certified {
 /// Looks for a certificate that no plan earns more than `reward` (nothing: that there is no plan),
 /// up to `tolerance`.
 /// Idea.      The cheapest first: sizes, for a plan; what waits for itself, locked parts and sizes,
-///            where there is none; then pieces, where at most so many are needed; then all states,
-///            where there are at most `most_states`.
+///            where there is none; then prices; then pieces, where at most so many are needed; then
+///            all states, where there are at most `most_states`.
 /// Guarantee. check_certificate() finds nothing wrong with what is returned; it is asked before.
 /// Cost.      Sizes: O(parts^2). Pieces: exponential. States: their number * connections * parts.
 /// Stop.      `stop` is asked now and then; when it says true there is no certificate.

@@ -24,7 +24,7 @@ using detail::PieceValues;
 using detail::Removals;
 using detail::SizeRewards;
 
-/// One check; each of the five returns a fault, or nothing and the bound that it has proved.
+/// One check; each of the six returns a fault, or nothing and the bound that it has proved.
 class Checker {
  public:
   Checker(const Problem& problem, const Certificate& certificate)
@@ -55,6 +55,7 @@ class Checker {
   std::string fault() {
     switch (certificate_.kind) {
       case Certificate::Kind::Sizes: return fault_of_sizes();
+      case Certificate::Kind::Prices: return fault_of_prices();
       case Certificate::Kind::Pieces: return fault_of_pieces();
       case Certificate::Kind::States: return fault_of_states();
       case Certificate::Kind::Waits: return fault_of_waits();
@@ -65,6 +66,7 @@ class Checker {
 
   std::string fault_of_sizes();
   std::string fault_of_table(const SizeRewards& rewards);
+  std::string fault_of_prices();
   std::string fault_of_pieces();
   [[nodiscard]] std::string fault_of_names(const PieceValues& values) const;
   void prove_bound(const SizeRewards& rewards, const PieceValues& values);
@@ -128,6 +130,46 @@ void Checker::prove_bound(const SizeRewards& rewards, const PieceValues& values)
   for (const detail::PieceGroup& group :
        detail::piece_groups(problem_, rewards, values, detail::PieceCuts(problem_)))
     proved_ = std::max(proved_, group.bound);
+}
+
+// A table g as that of sizes for all that is told by sizes, and for the rest a price y(p) <= 0 of
+// each part: a cut that moves a piece with p in it earns no more of the rest than that. Let P(S) be
+// the sum of the prices of a piece S without its base part, or without the least price where it has
+// none. A cut of S moves M off K. If K has the base part, P(S) - P(M) - P(K) is the least price in
+// M. If there is none it is the greater of the least price in M and that in K. Each price in M is
+// at least what the cut earns, so the sum of P over the pieces of a state falls by no less.
+std::string Checker::fault_of_prices() {
+  const SizeRewards rewards(problem_, true);
+  if (std::string fault = fault_of_table(rewards); !fault.empty()) return fault;
+  const std::vector<double>& prices = certificate_.prices;
+  if (prices.size() != problem_.num_parts())
+    return "prices: " + std::to_string(problem_.num_parts()) +
+           " numbers are wanted, one for each part, and " + std::to_string(prices.size()) +
+           " are there";
+  for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
+    const bool fixed = problem_.in_base(part);
+    const double least = rewards.price(part);
+    ++inequalities_;
+    if (fixed ? prices[part] != 0 : !(prices[part] >= least && prices[part] <= 0))
+      return "prices[" + std::to_string(part) + "]: " + detail::number_text(prices[part]) +
+             (fixed ? std::string(" is not 0, and a base part never moves")
+                    : " is not from " + detail::number_text(least) + ", which moving " +
+                          detail::in_quotes(problem_.part_id(part)) + " earns, to 0");
+  }
+  prove_bound(rewards, PieceValues(problem_, rewards, certificate_.sizes));
+  const detail::PieceCuts cuts(problem_);
+  for (const auto& piece : cuts.pieces_of(ConnectionSet::all(problem_.num_connections()))) {
+    const auto stays =
+        std::ranges::find_if(piece, [&](PartIndex part) { return problem_.in_base(part); });
+    const PartIndex last =
+        stays != piece.end()
+            ? *stays
+            : *std::ranges::min_element(piece, {}, [&](PartIndex part) { return prices[part]; });
+    for (const PartIndex part : piece) {
+      if (part != last && proved_ > -kInfinity) proved_ = add_up(proved_, prices[part]);
+    }
+  }
+  return {};
 }
 
 // Values v of some pieces beside the table. What a piece is worth, w, is what is listed of it, or
@@ -342,6 +384,7 @@ std::string Checker::fault_of_locked() {
 std::string_view kind_name(Certificate::Kind kind) {
   switch (kind) {
     case Certificate::Kind::Sizes: return "sizes";
+    case Certificate::Kind::Prices: return "prices";
     case Certificate::Kind::Pieces: return "pieces";
     case Certificate::Kind::States: return "states";
     case Certificate::Kind::Waits: return "waits";

@@ -27,9 +27,9 @@ using detail::number_or_null;
 
 constexpr std::string_view kCertificateFormat = "orasp-certificate/1";
 constexpr std::string_view kHexDigits = "0123456789abcdef";
-constexpr std::array kKinds = {Certificate::Kind::Sizes, Certificate::Kind::Pieces,
-                               Certificate::Kind::States, Certificate::Kind::Waits,
-                               Certificate::Kind::Locked};
+constexpr std::array kKinds = {Certificate::Kind::Sizes,  Certificate::Kind::Prices,
+                               Certificate::Kind::Pieces, Certificate::Kind::States,
+                               Certificate::Kind::Waits,  Certificate::Kind::Locked};
 
 /// A digit for four of `count` things, the first one for the first four; its lowest bit is the
 /// first.
@@ -72,15 +72,19 @@ class CertificateReader {
         std::ranges::find_if(kKinds, [&](Certificate::Kind one) { return kind_name(one) == kind; });
     if (known == kKinds.end())
       throw InputError(
-          fmt::format("kind: {} is none; kinds are \"sizes\", \"pieces\", \"states\", "
+          fmt::format("kind: {} is none; kinds are \"sizes\", \"prices\", \"pieces\", \"states\", "
                       "\"waits\" and \"locked\"",
                       in_quotes(kind)));
     certificate_.kind = *known;
     certificate_.bound = number(member("bound"), "bound");
     switch (certificate_.kind) {
-      case Certificate::Kind::Sizes: read_sizes(); break;
+      case Certificate::Kind::Sizes: certificate_.sizes = numbers("sizes"); break;
+      case Certificate::Kind::Prices:
+        certificate_.sizes = numbers("sizes");
+        certificate_.prices = numbers("prices");
+        break;
       case Certificate::Kind::Pieces:
-        read_sizes();
+        certificate_.sizes = numbers("sizes");
         read_pieces();
         break;
       case Certificate::Kind::States: read_layers(); break;
@@ -119,12 +123,12 @@ class CertificateReader {
     return expect(value, JsonKind::Number, place, "a number or null").number();
   }
 
-  void read_sizes() {
-    expect(member("sizes"), JsonKind::Array, "sizes", "an array of numbers")
-        .for_each([this](JsonValue value) {
-          certificate_.sizes.push_back(
-              number(value, fmt::format("sizes[{}]", certificate_.sizes.size())));
-        });
+  std::vector<double> numbers(const std::string& key) {
+    std::vector<double> values;
+    expect(member(key), JsonKind::Array, key, "an array of numbers").for_each([&](JsonValue value) {
+      values.push_back(number(value, fmt::format("{}[{}]", key, values.size())));
+    });
+    return values;
   }
   void read_pieces() {
     expect(member("pieces"), JsonKind::Array, "pieces", "an array of pieces")
@@ -257,15 +261,19 @@ std::string certificate_text(const Problem& problem, const Certificate& certific
   put("problem_digest", problem_digest(problem));
   put("kind", kind_name(certificate.kind));
   put("bound", number_or_null(certificate.bound));
-  const auto put_sizes = [&] {
-    auto sizes = nlohmann::ordered_json::array();
-    for (const double value : certificate.sizes) sizes.push_back(number_or_null(value));
-    put("sizes", sizes);
+  const auto put_numbers = [&](std::string_view key, const std::vector<double>& values) {
+    auto numbers = nlohmann::ordered_json::array();
+    for (const double value : values) numbers.push_back(number_or_null(value));
+    put(key, numbers);
   };
   switch (certificate.kind) {
-    case Certificate::Kind::Sizes: put_sizes(); break;
+    case Certificate::Kind::Sizes: put_numbers("sizes", certificate.sizes); break;
+    case Certificate::Kind::Prices:
+      put_numbers("sizes", certificate.sizes);
+      put_numbers("prices", certificate.prices);
+      break;
     case Certificate::Kind::Pieces: {
-      put_sizes();
+      put_numbers("sizes", certificate.sizes);
       text += ",\n  \"pieces\": [";
       const char* between = "\n    ";
       for (const Certificate::Piece& piece : certificate.pieces) {

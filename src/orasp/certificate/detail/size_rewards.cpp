@@ -42,7 +42,7 @@ std::vector<std::size_t> piece_sizes(const Problem& problem, const ConnectionSet
   return parts;
 }
 
-SizeRewards::SizeRewards(const Problem& problem) : problem_(problem) {
+SizeRewards::SizeRewards(const Problem& problem, bool prices) : problem_(problem), prices_(prices) {
   add(problem.objective(), 1);
   starts_.assign(problem.num_parts() + 1, false);
   for (const std::size_t parts :
@@ -76,6 +76,12 @@ void SizeRewards::add(const Objective& objective, double weight) {
   const bool alike = std::ranges::all_of(problem_.parts(), [this](const Part& part) {
     return part.mass == problem_.parts().front().mass;
   });
+  // Of several base parts two may come apart without a motion, which costs less than any price.
+  if (prices_ && std::holds_alternative<Fuel>(parameters)) {
+    known_ = known_ && weight >= 0 && problem_.spec().base.size() < 2;
+    priced_.push_back({weight, &parameters});
+    return;
+  }
   known_ = known_ && ((std::holds_alternative<Fuel>(parameters) && alike) ||
                       std::holds_alternative<PieceCost>(parameters) ||
                       std::holds_alternative<CubesatZone>(parameters) ||
@@ -152,21 +158,35 @@ double SizeRewards::zone_cut(double weight, std::size_t a, std::size_t b) const 
   return most;
 }
 
-// The smaller side moves, unless a base part says otherwise. The exponential is right to a few
-// units in the last place; the value is moved up by a hundred and more of them.
-double SizeRewards::fuel_cut(double weight, const Fuel& fuel, std::size_t a, std::size_t b) const {
+// The exponential is right to a few units in the last place; the value is moved up by a hundred and
+// more of them.
+double SizeRewards::propellant(double weight, const Fuel& fuel, double mass) {
   constexpr double kGravity = 9.80665;
   constexpr double kLost = 1e-13;
+  const double burnt =
+      (2 * fuel.dry_mass + mass) * std::expm1(fuel.delta_v / (fuel.isp * kGravity));
+  const double earned = weight * -burnt;
+  return add_up(earned, kLost * std::abs(earned));
+}
+
+// The smaller side moves, unless a base part says otherwise.
+double SizeRewards::fuel_cut(double weight, const Fuel& fuel, std::size_t a, std::size_t b) const {
   double most = some_stay_ ? 0 : -kInfinity;
   for (const std::size_t moved : {a, b}) {
     if (!some_fixed_ && moved != std::min(a, b)) continue;
     const double mass = static_cast<double>(moved) * problem_.parts().front().mass;
-    const double burnt =
-        (2 * fuel.dry_mass + mass) * std::expm1(fuel.delta_v / (fuel.isp * kGravity));
-    const double earned = weight * -burnt;
-    most = std::max(most, add_up(earned, kLost * std::abs(earned)));
+    most = std::max(most, propellant(weight, fuel, mass));
   }
   return most;
+}
+
+double SizeRewards::price(PartIndex part) const {
+  double sum = 0;
+  for (const auto& [weight, parameters] : priced_) {
+    if (const auto* const fuel = std::get_if<Fuel>(parameters))
+      sum = add_up(sum, propellant(weight, *fuel, problem_.parts()[part].mass));
+  }
+  return all_together(sum, attempts_);
 }
 
 double SizeRewards::transfer(double weight, double seconds) const {

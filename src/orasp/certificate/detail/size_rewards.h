@@ -21,7 +21,9 @@ namespace orasp::detail {
 /// of a cut, at whatever connection it happens.
 class SizeRewards {
  public:
-  explicit SizeRewards(const Problem& problem);
+  /// With `prices` the propellant of `fuel` is left out, and told by prices of parts instead: then
+  /// parts may weigh what they like.
+  explicit SizeRewards(const Problem& problem, bool prices = false);
 
   /// Whether the objective is one of those above.
   [[nodiscard]] bool known() const { return known_; }
@@ -35,6 +37,11 @@ class SizeRewards {
   }
   [[nodiscard]] double last(ConnectionIndex connection, bool separates, std::size_t a,
                             std::size_t b) const;
+  /// What was left out, of a cut that moves `part`, with whatever else: at most this. What moves
+  /// weighs at least as much as the part, and more propellant is burnt for more mass.
+  [[nodiscard]] double price(PartIndex part) const;
+  /// Whether anything was left out.
+  [[nodiscard]] bool priced() const { return !priced_.empty(); }
 
  private:
   struct Addend {
@@ -44,13 +51,16 @@ class SizeRewards {
   void add(const Objective& objective, double weight);
   [[nodiscard]] double one_cut(std::size_t a, std::size_t b) const;
   [[nodiscard]] double zone_cut(double weight, std::size_t a, std::size_t b) const;
+  [[nodiscard]] static double propellant(double weight, const Fuel& fuel, double mass);
   [[nodiscard]] double transfer(double weight, double seconds) const;
   [[nodiscard]] double fuel_cut(double weight, const Fuel& fuel, std::size_t a,
                                 std::size_t b) const;
 
   const Problem& problem_;
   bool known_ = true;
+  bool prices_;
   std::vector<Addend> addends_;
+  std::vector<Addend> priced_;
   Attempts attempts_;         ///< at any connection that joins two parts
   std::vector<bool> starts_;  ///< by size: whether the whole product has a piece of that many parts
   std::size_t largest_ = 0;   ///< of its pieces
