@@ -43,9 +43,9 @@ struct AndOrOptions {
 /// Symmetry.   Pieces that an exchange of equal parts takes into one another have one value, so one
 ///             of them is searched for all (symmetry/symmetry.h). With SymmetryUse::Auto exchanges
 ///             are looked for after the first round, and used where there are at least
-///             kAndOrLeastSaving times fewer sets of parts up to them; kAndOrLeastSavingOfKept times
-///             where the cuts of pieces are kept, which they are not with symmetry. Random spanning
-///             forests are searched without.
+///             kAndOrLeastSaving times fewer sets of parts up to them, and kAndOrLeastSavingOfKept
+///             times where the cuts of pieces are kept, which they are not with symmetry. Random
+///             spanning forests are searched without.
 /// Reference.  AND/OR search: Nilsson (1980), Principles of Artificial Intelligence, ch. 3; for
 ///             assembly: Homem de Mello and Sanderson (1991), IEEE Trans. Robotics and Automation
 ///             7(2), 228-240. Iterative deepening: Korf (1985), Artificial Intelligence 27(1),
