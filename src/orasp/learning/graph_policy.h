@@ -9,56 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "orasp/learning/graph_observer.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
 namespace orasp {
-
-/// What the graph network sees of a state. Every feature is relative (to the whole, to the best
-/// legal step), so that products of any size look alike.
-struct GraphState {
-  static constexpr std::size_t kPartFeatures = 9;
-  static constexpr std::size_t kActionFeatures = 22;
-
-  /// Shape [parts, kPartFeatures].
-  std::vector<float> parts;
-  /// Shape [actions, kActionFeatures].
-  std::vector<float> actions;
-  /// The two parts of each action's connection.
-  std::vector<std::array<std::uint32_t, 2>> ends;
-  /// Neighbours of part p: `to` from begin[p] to begin[p + 1].
-  struct Edges {
-    std::vector<std::uint32_t> begin;
-    std::vector<std::uint32_t> to;
-  };
-  /// By connections that are there.
-  Edges connected;
-  /// By blocking, either way, between parts of one piece.
-  Edges blocking;
-
-  [[nodiscard]] std::size_t num_parts() const { return parts.size() / kPartFeatures; }
-  [[nodiscard]] std::size_t num_actions() const { return ends.size(); }
-};
-
-/// Describes states of one problem to the network. Holds scratch memory: one for each thread.
-class GraphObserver {
- public:
-  /// The system must outlive it; it must not be wide().
-  explicit GraphObserver(const TransitionSystem& system);
-  explicit GraphObserver(const TransitionSystem&&) = delete;
-
-  /// The state `open`, whose legal actions these are. What steps separate and what can be earned
-  /// next comes from the Expander. O(actions * (parts + connections)).
-  [[nodiscard]] GraphState observe(SetView open, std::span<const Action> actions);
-
- private:
-  const TransitionSystem& system_;
-  Expander expander_;
-  double total_mass_ = 0;
-  double scale_ = 0;
-  std::vector<float> degrees_;
-};
 
 /// A graph network for products that it has not seen: any number of parts and connections.
 ///

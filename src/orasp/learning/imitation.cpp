@@ -6,62 +6,155 @@
 #include <map>
 #include <optional>
 
+#include "orasp/bounds/piece_bound.h"
 #include "orasp/learning/detail/adam.h"
 #include "orasp/model/error.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/and_or.h"
 #include "orasp/planners/automatic.h"
+#include "orasp/planners/beam.h"
+#include "orasp/planners/planner_support.h"
 
 namespace orasp {
 
 namespace {
 
 constexpr std::uint64_t kLabelExpansions = 3'000;
+constexpr std::size_t kSmall = 12;  // connections that are quickly gone through
 constexpr std::uint64_t kLabelBytes = 64U << 20U;
-constexpr std::size_t kMostUnsettled = 16;
+constexpr std::size_t kMostUnsettled = 40;
 constexpr double kLeastGain = 1e-4;  // of the loss held out, to go on
 constexpr std::size_t kMostWalks = 64;
 constexpr std::size_t kBatch = 16;
+// Of the steps of a walk: those that earn most at once, then random ones, then right ones.
+constexpr double kGreedyShare = 0.25;
+constexpr double kRightFrom = 0.5;
+constexpr double kHidden = 0.25;
 
 struct Answer {
   std::optional<double> value;
   double most = 0;
+  /// A plan that earns the value.
+  std::vector<ConnectionIndex> plan{};
 };
 
-/// What is still to be earned from a state, by the engine; remembers what it was asked.
+/// What the engine says of the states of one problem.
 class Oracle {
  public:
-  Oracle(const TransitionSystem& system, const Budget& budget) : system_(system), budget_(budget) {
+  Oracle(const TransitionSystem& system, const Budget& budget)
+      : system_(system),
+        budget_(budget),
+        expander_(system),
+        bound_(system, PieceBound::Kind::Both) {
     budget_.threads = 1;
     budget_.max_expansions = kLabelExpansions;
     budget_.max_bytes = std::min(budget_.max_bytes, kLabelBytes);
   }
   /// -infinity at a dead end; where it was not settled no value, and what it is at most.
-  Answer value(const ConnectionSet& open) {
-    if (open.empty()) return {0.0, 0.0};
+  const Answer& value(const ConnectionSet& open) {
     const std::vector<std::uint64_t> key(open.view().begin(), open.view().end());
-    const auto known = values_.find(key);
-    if (known != values_.end()) return known->second;
+    const auto known = answers_.find(key);
+    if (known != answers_.end()) return known->second;
+    return answers_.emplace(key, asked(open)).first->second;
+  }
+  /// What each action of a state with a plan loses: kUnsettled where that is not known. None where
+  /// the state itself is not settled. @param best  Where an action stands that is optimal.
+  std::optional<std::vector<double>> losses(const ConnectionSet& open,
+                                            std::span<const Action> actions, std::size_t& best);
+  /// How many states were not settled.
+  [[nodiscard]] std::size_t unsettled() const { return unsettled_; }
+
+ private:
+  [[nodiscard]] Answer asked(const ConnectionSet& open) {
+    if (open.empty()) return {0.0, 0.0};
     Situation here = system_.situation();
     here.open = open;
     const TransitionSystem rest(system_.problem(), here);
-    const Result result = automatic(rest, 0, budget_);
-    Answer answer{std::nullopt, kInfinity};
-    if (result.status == Status::Optimal)
-      answer = {result.reward, result.reward};
-    else if (result.status == Status::Infeasible)
-      answer = {-kInfinity, -kInfinity};
-    else if (result.bound)
-      answer.most = *result.bound;
-    values_.emplace(key, answer);
-    return answer;
+    const Result result = proved(rest);
+    if (result.status == Status::Optimal) return {result.reward, result.reward, result.sequence};
+    if (result.status == Status::Infeasible) return {-kInfinity, -kInfinity};
+    ++unsettled_;
+    return {std::nullopt, result.bound.value_or(kInfinity)};
   }
+  /// The quickest of the methods that may settle it first.
+  [[nodiscard]] Result proved(const TransitionSystem& rest) const {
+    if (rest.num_steps() <= kSmall) return automatic(rest, 0, budget_);
+    Result result = detail::from_the_end(
+        rest, [&](const TransitionSystem& from) { return beam(from, {}, budget_); });
+    if (result.status == Status::Optimal || result.status == Status::Infeasible) return result;
+    Result pieces = detail::from_the_end(rest, [&](const TransitionSystem& from) {
+      if (and_or_obstacle(from)) return Result{};
+      return and_or(from, {.first_round = 0, .rounds = 1}, budget_);
+    });
+    if (pieces.status == Status::Optimal || pieces.status == Status::Infeasible) return pieces;
+    if (pieces.bound && (!result.bound || *pieces.bound < *result.bound)) return pieces;
+    return result;
+  }
+  /// What the plan earns where this connection of it comes first; -infinity where it may not.
+  [[nodiscard]] double with_first(ConnectionIndex first, std::span<const ConnectionIndex> plan,
+                                  ConnectionSet open);
 
- private:
   const TransitionSystem& system_;
   Budget budget_;
-  std::map<std::vector<std::uint64_t>, Answer> values_;
+  Expander expander_;
+  PieceBound bound_;
+  std::size_t unsettled_ = 0;
+  std::map<std::vector<std::uint64_t>, Answer> answers_;
 };
+
+double Oracle::with_first(ConnectionIndex first, std::span<const ConnectionIndex> plan,
+                          ConnectionSet open) {
+  double earned = 0;
+  const auto take = [&](ConnectionIndex c) {
+    const auto legal = expander_.legal_actions(open.view());
+    const auto at = std::ranges::find(legal, c, &Action::connection);
+    if (at == legal.end()) return false;
+    earned += at->reward;
+    open.erase(c);
+    return true;
+  };
+  if (!take(first)) return -kInfinity;
+  for (const ConnectionIndex c : plan) {
+    if (c != first && !take(c)) return -kInfinity;
+  }
+  return earned;
+}
+
+std::optional<std::vector<double>> Oracle::losses(const ConnectionSet& open,
+                                                  std::span<const Action> actions,
+                                                  std::size_t& best) {
+  const Answer here = value(open);
+  if (!here.value || !std::isfinite(*here.value)) return std::nullopt;
+  const double most = *here.value;
+  const double slack = kRewardTolerance * std::max(1.0, std::abs(most));
+  std::vector<double> bounds(actions.size(), kInfinity);
+  if (bound_.known()) bound_.of_successors(open.view(), bound_(open.view()), actions, bounds);
+  std::vector<double> losses;
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    const ConnectionIndex c = actions[i].connection;
+    if (c == here.plan.front()) best = i;
+    const double by_bound = most - actions[i].reward - bounds[i];
+    if (by_bound > slack) {
+      losses.push_back(by_bound);
+      continue;
+    }
+    // Most optimal actions stand later in a plan that is known.
+    if (c == here.plan.front() || with_first(c, here.plan, open) >= most - slack) {
+      losses.push_back(0);
+      continue;
+    }
+    ConnectionSet after = open;
+    after.erase(c);
+    const Answer& rest = value(after);
+    const double loss = most - actions[i].reward - rest.most;
+    if (loss > slack)
+      losses.push_back(loss);
+    else
+      losses.push_back(rest.value ? 0.0 : LabelledState::kUnsettled);
+  }
+  return losses;
+}
 
 /// -log of the softmax's share of the optimal actions, plus the mean loss; writes its slopes.
 double loss_of(const LabelledState& labelled, std::span<const float> worth,
@@ -70,7 +163,10 @@ double loss_of(const LabelledState& labelled, std::span<const float> worth,
   const float most = std::ranges::max(worth);
   std::vector<double> share(size);
   double sum = 0;
-  for (std::size_t i = 0; i < size; ++i) sum += share[i] = std::exp(double{worth[i]} - most);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (labelled.settled(i)) sum += share[i] = std::exp(double{worth[i]} - most);
+  }
+  sum = std::max(sum, 1e-300);
   double right = 0;
   double mean = 0;
   for (std::size_t i = 0; i < size; ++i) {
@@ -87,21 +183,39 @@ double loss_of(const LabelledState& labelled, std::span<const float> worth,
   return mean - std::log(right);
 }
 
+/// Of the actions of which it is known what they lose the one worth most.
+std::size_t best_settled(const LabelledState& labelled, std::span<const float> worth) {
+  std::size_t best = worth.size();
+  for (std::size_t i = 0; i < worth.size(); ++i) {
+    if (labelled.settled(i) && (best == worth.size() || worth[i] > worth[best])) best = i;
+  }
+  return best;
+}
+
 void shuffle(std::vector<std::size_t>& order, SplitMix64& random) {
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
 }
 
 }  // namespace
 
+std::optional<std::vector<double>> action_losses(const TransitionSystem& system,
+                                                 const ConnectionSet& open,
+                                                 std::span<const Action> actions,
+                                                 const Budget& budget) {
+  std::size_t best = 0;
+  return Oracle(system, budget).losses(open, actions, best);
+}
+
 std::vector<LabelledState> label_states(const TransitionSystem& system, std::size_t states,
-                                        std::uint64_t seed, const Budget& budget) {
+                                        std::uint64_t seed, const Budget& budget,
+                                        const GraphPolicy* guide) {
   std::vector<LabelledState> labelled;
   SplitMix64 random(seed);
   Expander expander(system);
   GraphObserver observer(system);
+  GraphNetwork network;
   Oracle oracle(system, budget);
   double greatest = 0;
-  std::size_t unsettled = 0;
   std::size_t too_many = std::numeric_limits<std::size_t>::max();  // open, for the engine
   // So that few states of a long plan are spread over it.
   const double chance =
@@ -117,42 +231,36 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
       const bool asks = wants && actions.size() > 1 && open.size() < too_many;
       const double kind = random.uniform();
       std::size_t next = random.below(actions.size());
-      if (kind < 0.25) {
+      if (kind < kGreedyShare) {
         next = static_cast<std::size_t>(std::ranges::max_element(actions, {}, &Action::reward) -
                                         actions.begin());
       }
+      std::optional<GraphState> seen;
+      if (asks || (guide != nullptr && kind >= kRightFrom))
+        seen = observer.observe(open.view(), actions);
+      if (guide != nullptr && kind >= kRightFrom) {
+        const std::span<const float> worth = network.worth(*guide, *seen);
+        next = static_cast<std::size_t>(std::ranges::max_element(worth) - worth.begin());
+      }
       if (asks) {
-        // An action that was not settled but is bounded below the best is known to lose.
-        std::vector<double> values;
-        double best = -kInfinity;
-        double open_end = -kInfinity;
-        for (const Action& action : actions) {
-          ConnectionSet after = open;
-          after.erase(action.connection);
-          const Answer rest = oracle.value(after);
-          values.push_back(action.reward + rest.most);
-          double& known = rest.value ? best : open_end;
-          known = std::max(known, values.back());
-          if (values.back() == kInfinity) break;
-        }
-        const double slack =
-            std::isfinite(best) ? kRewardTolerance * std::max(1.0, std::abs(best)) : 0.0;
-        const bool settled = open_end == -kInfinity || open_end < best - slack;
-        if (best == -kInfinity && settled) break;  // no plan from here
-        if (!settled && ++unsettled >= kMostUnsettled) too_many = std::min(too_many, open.size());
-        if (settled) {
-          LabelledState one{observer.observe(open.view(), actions), {}};
+        std::size_t best = next;
+        const auto losses = oracle.losses(open, actions, best);
+        if (losses) {
+          // Some without quick plans, so that it learns what to do where there are none.
+          if (random.uniform() < kHidden) seen = observer.observe(open.view(), actions, false);
+          LabelledState one{std::move(*seen), {}};
           bool choice = false;
-          for (const double value : values) {
-            const double loss = best - value <= slack ? 0.0 : best - value;
+          for (const double loss : *losses) {
             if (loss > 0) choice = true;
             if (std::isfinite(loss)) greatest = std::max(greatest, loss);
             one.loss.push_back(static_cast<float>(loss));
           }
           if (choice) labelled.push_back(std::move(one));
-          if (kind >= 0.5)
-            next = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
+          if (guide == nullptr && kind >= kRightFrom) next = best;
+        } else if (oracle.value(open).value) {
+          break;  // no plan from here
         }
+        if (oracle.unsettled() >= kMostUnsettled) too_many = std::min(too_many, open.size());
       }
       open.erase(actions[next].connection);
     }
@@ -210,8 +318,7 @@ Imitation imitate(std::span<const TransitionSystem* const> systems, const Imitat
     for (const LabelledState& one : exam) {
       const std::span<const float> worth = network.worth(policy, one.state);
       record.held_out_loss += share * loss_of(one, worth, slope);
-      const auto chosen = static_cast<std::size_t>(std::ranges::max_element(worth) - worth.begin());
-      if (one.loss[chosen] == 0) record.held_out_right += share;
+      if (one.loss[best_settled(one, worth)] == 0) record.held_out_right += share;
     }
     record.seconds = watch.seconds();
   };

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace orasp {
 /// A state with what each legal action loses: the most that can still be earned, less what the
 /// action and the best steps after it earn. 0 for every optimal action.
 struct LabelledState {
+  /// Of an action of which it is not known whether it loses. At least one action is optimal.
+  static constexpr float kUnsettled = -1;
+  [[nodiscard]] bool settled(std::size_t action) const { return loss[action] >= 0; }
+
   GraphState state;
   /// In units of the greatest loss of a state of the problem; 1 where the action ends in a dead
   /// end. Shape [actions].
@@ -52,14 +57,26 @@ struct Imitation {
   Stop stop = Stop::None;
 };
 
-/// States of a problem with what the engine proves of them: half of the walks' steps are optimal, a
-/// quarter greedy, a quarter random, so that states on and off the best path are seen. States
-/// that a fixed number of expansions does not settle are left out; after several of them only
-/// smaller ones are asked about. The same for the same
-/// seed.
+/// What each legal action of one state loses, by the engine, in units of reward: infinite where it
+/// ends in a dead end, LabelledState::kUnsettled where that is not known; where an action is known
+/// by a bound to lose, at least the loss that the bound tells. None where the state is not settled
+/// or has no plan.
+[[nodiscard]] std::optional<std::vector<double>> action_losses(const TransitionSystem& system,
+                                                               const ConnectionSet& open,
+                                                               std::span<const Action> actions,
+                                                               const Budget& budget);
+
+/// States of a problem with what the engine proves of them: half of the walks' steps are optimal
+/// (or what `guide` chooses, where there is one), a quarter greedy, a quarter random, so that states
+/// on and off the best path are seen. An action is optimal where a plan that begins with it earns
+/// the proved value: one that the engine finds, or a known plan in which it comes first; it is known
+/// to lose where its bound or its proved value is below. States that a fixed number of expansions
+/// does not settle are left out; after several of them only smaller ones are asked about. The same
+/// for the same seed.
 [[nodiscard]] std::vector<LabelledState> label_states(const TransitionSystem& system,
                                                       std::size_t states, std::uint64_t seed,
-                                                      const Budget& budget);
+                                                      const Budget& budget,
+                                                      const GraphPolicy* guide = nullptr);
 
 /// Learns one policy from the proved values of many problems.
 ///
