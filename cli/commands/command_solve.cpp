@@ -51,11 +51,14 @@ void refuse_idle_options(const SolveOptions& options) {
     throw InputError(fmt::format("--write-model solves nothing, so {} has no plan", idle));
 }
 
-/// The policy of the file if it is one for many products (`orasp train --problems`).
-/// @throws InputError where it is damaged or for problems of another kind.
-std::optional<GraphPolicy> read_graph_policy(const std::string& file, const Problem& problem) {
+/// What the file holds: a policy for one problem, or one for many products (`orasp train
+/// --problems`). @throws InputError where it is damaged or for other problems.
+void read_policy_into(Options& options, const std::string& file, const Problem& problem) {
   const std::string bytes = read_text(file);
-  if (!is_graph_policy(bytes)) return std::nullopt;
+  if (!is_graph_policy(bytes)) {
+    options.policy = std::make_shared<const Policy>(read_policy(file, problem).trained.policy);
+    return;
+  }
   GraphPolicyFile read;
   try {
     read = parse_graph_policy(bytes);
@@ -63,17 +66,7 @@ std::optional<GraphPolicy> read_graph_policy(const std::string& file, const Prob
     throw InputError(fmt::format("{}: {}", file, error.what()));
   }
   require_kind(problem, read.kind, file);
-  return std::move(read.policy);
-}
-
-/// What solve() does with the methods of the catalogue, with a policy for many products.
-Result follow(const GraphPolicy& policy, const Task& task, const Budget& budget) {
-  if (task.steps)
-    throw InputError("--steps: a policy for many products answers for all steps alone");
-  const TransitionSystem system(task.problem);
-  Result result = follow_graph_policy(system, policy, budget);
-  require_honest(task, result);
-  return result;
+  options.graph_policy = std::make_shared<const GraphPolicy>(std::move(read.policy));
 }
 
 Settings settings_of(const SolveOptions& options) {
@@ -215,6 +208,7 @@ void require_sense_of_ranks(const SolveOptions& options, const Options& chosen) 
                            : !options.certificate.empty() ? "--certificate"
                            : options.steps                ? "--steps"
                            : (of_table || of_a_star) && options.limits.threads ? "--threads"
+                           : options.of_method.contains("policy")              ? "--policy"
                            : of_table && !options.of_method.empty() ? "an option of the method"
                            : of_a_star && chosen.symmetry == SymmetryUse::On ? "--symmetry on"
                                                                              : nullptr;
@@ -300,14 +294,8 @@ int run(const SolveOptions& options, const Context& context) {
     if (const std::string reason = without_certificates(problem); !reason.empty())
       throw InputError("--certificate: " + reason);
   }
-  std::optional<GraphPolicy> graph_policy;
-  if (const auto file = options.of_method.find("policy"); file != options.of_method.end()) {
-    graph_policy = read_graph_policy(file->second, problem);
-    if (!graph_policy) {
-      chosen.policy =
-          std::make_shared<const Policy>(read_policy(file->second, problem).trained.policy);
-    }
-  }
+  if (const auto file = options.of_method.find("policy"); file != options.of_method.end())
+    read_policy_into(chosen, file->second, problem);
 
   Result result;
   Alternatives alternatives;
@@ -321,8 +309,7 @@ int run(const SolveOptions& options, const Context& context) {
       system.emplace(problem);
       require_graph_for_other_plans(*system, options, budget);
     }
-    result = graph_policy ? follow(*graph_policy, task, budget)
-                          : solve(task, planner.name, chosen, budget);
+    result = solve(task, planner.name, chosen, budget);
     if (system)
       alternatives = find_alternatives(*system, options.count, options.alternatives, budget);
     if (!options.certificate.empty()) certified = why_proved(problem, result, budget);

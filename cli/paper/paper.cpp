@@ -160,6 +160,7 @@ PaperDistribution distribution(const std::string& name, const PaperEffort& effor
   const Training training = train(system, DqnOptions(), training_budget);
   row.episodes = training.record.episodes;
   row.training_seconds = training.record.seconds;
+  if (std::isfinite(training.record.greedy)) row.final_reward = training.record.greedy;
   if (training.trained.policy.empty()) return row;
   const Result followed = follow_policy(system, training.trained.policy, budget);
   if (!followed.has_plan()) return row;

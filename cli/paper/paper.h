@@ -93,6 +93,9 @@ struct PaperDistribution {
   std::vector<double> rewards;
   RewardFigures figures;
   double greedy = 0;  ///< of the best step each time: the policy before it is trained
+  /// What the network earns with which training ended, and the policy that is kept: the best that
+  /// it ever was, or what it was before it was trained.
+  std::optional<double> final_reward;
   std::optional<double> learned;
   std::uint64_t episodes = 0;
   double training_seconds = 0;

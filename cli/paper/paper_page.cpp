@@ -283,10 +283,10 @@ void add_distributions(Document& page, const Paper& paper) {
       "moved. The optimum is that of `auto`. ";
   if (paper.learning_left_out.empty()) {
     text += fmt::format(
-        "The learned plan is that of a policy trained here by deep Q-learning, without a GPU, for "
-        "at "
-        "most {} s (until it is proved optimal); before training it is the `greedy` plan, that of "
-        "the best reward at every step. The "
+        "A network is trained here by deep Q-learning, without a GPU, for at most {} s (until its "
+        "plan is proved optimal). The figures show what it earns by itself at the end of training; "
+        "beside that the table has the best that it ever earned, which is what `orasp train` "
+        "keeps, from before training on, when it makes the `greedy` plan. The "
         "paper trained 15 minutes for Hubble and ISS and 35 for JWST.",
         paper.effort.quick ? "1 to 2" : "60 to 120");
   } else {
@@ -300,7 +300,8 @@ void add_distributions(Document& page, const Paper& paper) {
     std::vector<Mark> marks = {
         {row.status == Status::Optimal ? "optimum, proved" : "best plan, not proved", row.best,
          Mark::Kind::Best}};
-    if (row.learned) marks.push_back({"learned plan", *row.learned, Mark::Kind::Plan});
+    if (row.final_reward)
+      marks.push_back({"the network at the end of training", *row.final_reward, Mark::Kind::Plan});
     if (learned != nullptr) {
       marks.push_back({"paper's learned plan, replayed", learned->replayed, Mark::Kind::Other});
     }
@@ -308,6 +309,7 @@ void add_distributions(Document& page, const Paper& paper) {
                        distribution_svg({row.rewards, marks}), 50});
     rows.push_back({row.problem, reward_cell(row.figures.mean), reward_cell(row.figures.least),
                     reward_cell(row.figures.greatest), reward_cell(row.greedy),
+                    row.final_reward ? reward_cell(*row.final_reward) : "-",
                     row.learned ? reward_cell(*row.learned) : "-",
                     row.learned ? grouped(row.episodes) : "-",
                     row.learned ? seconds_cell(row.training_seconds) : "-", reward_cell(row.best),
@@ -316,9 +318,9 @@ void add_distributions(Document& page, const Paper& paper) {
                     learned != nullptr ? fmt::format("{:g}", learned->replayed) : "-"});
   }
   page.figures(std::move(figures));
-  page.table({"problem", "random: mean", "random: least", "random: greatest", "greedy", "learned",
-              "episodes", "training, s", "optimum", "proof", "paper: learned, reported",
-              "paper: stored plan, replayed"},
+  page.table({"problem", "random: mean", "random: least", "random: greatest", "greedy",
+              "network at the end", "best kept", "episodes", "training, s", "optimum", "proof",
+              "paper: learned, reported", "paper: stored plan, replayed"},
              std::move(rows));
   page.paragraph(
       "The plans that were published do not earn what the paper reports when they are replayed; "
@@ -439,6 +441,7 @@ nlohmann::ordered_json paper_json(const Paper& paper) {
           {row.figures.percentiles[1], row.figures.percentiles[2], row.figures.percentiles[3]}},
          {"max", row.figures.greatest},
          {"greedy", row.greedy},
+         {"final", number(row.final_reward)},
          {"learned", number(row.learned)},
          {"episodes", row.episodes},
          {"training_seconds", row.training_seconds},

@@ -16,7 +16,7 @@ The parts of the package:
 * proofs: :meth:`Result.certificate`, :func:`check`
 * H as arrays: :func:`graph`, :class:`Graph`, :func:`estimate_graph`
 * rewards of your own: :class:`Reward`
-* learning: :func:`train`, :class:`Policy`, :class:`Environment`, :class:`VectorEnvironment`
+* learning: :func:`train`, :class:`Policy`, :class:`GeneralPolicy`, :class:`Environment`, :class:`VectorEnvironment`
 * pages and pictures: :func:`report`, :func:`figures`, ``.svg()`` of problems, plans and graphs
 
 What is wrong with an input is an :class:`InputError`, a ValueError with one sentence.
@@ -25,7 +25,7 @@ What is wrong with an input is an :class:`InputError`, a ValueError with one sen
 from orasp._certificates import Certificate, Check, check
 from orasp._formats import Format, format_text, formats, read_format, write_format
 from orasp._graph import Graph, GraphEstimate, GraphSize, estimate_graph, graph
-from orasp._learning import Policy, Training, learning_available, train, training_options
+from orasp._learning import GeneralPolicy, Policy, Training, learning_available, train, training_options
 from orasp._models import ImportedModel, import_model
 from orasp._orasp import InputError, __version__
 from orasp._problem import OraspWarning, Problem, ProblemLike, Scenario, load, scenarios
@@ -98,6 +98,7 @@ __all__ = [
     "OraspWarning",
     "PlanLike",
     "PlanStep",
+    "GeneralPolicy",
     "Policy",
     "Problem",
     "ProblemLike",

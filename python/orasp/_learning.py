@@ -31,10 +31,9 @@ class Policy:
     @classmethod
     def read(cls, file: Union[str, os.PathLike[str]]) -> Policy:
         """Reads a file of ``orasp train``, format orasp-policy/1. Raises InputError, which names the file."""
+        data = _bytes_of(file)
         try:
-            return cls.from_bytes(Path(file).read_bytes())
-        except OSError as error:
-            raise _orasp.InputError(f'cannot read "{os.fspath(file)}": {error.strerror}') from None
+            return cls.from_bytes(data)
         except _orasp.InputError as error:
             raise _orasp.InputError(f'"{os.fspath(file)}": {error}') from None
 
@@ -94,6 +93,77 @@ class Policy:
         sizes = [str(weights.shape[0]) for weights, _ in self.layers]
         sizes += [str(bias.shape[0]) for _, bias in self.layers[-1:]]
         return f"<orasp.Policy {'-'.join(sizes) or 'over pieces'}, reward {self.reward:.6g}>"
+
+
+class GeneralPolicy:
+    """A policy for many products, of ``orasp train --problems``: a graph network that answers for every problem
+    of its kind. ``solve(problem, "dqn", policy=...)`` plans with it, without libtorch."""
+
+    def __init__(self, file: _orasp.GeneralPolicy) -> None:
+        self._file = file
+
+    @classmethod
+    def read(cls, file: Union[str, os.PathLike[str]]) -> GeneralPolicy:
+        """Reads a file of format orasp-graph-policy/1. Raises InputError, which names the file."""
+        return cls.from_bytes(_bytes_of(file), f'"{os.fspath(file)}": ')
+
+    @classmethod
+    def from_bytes(cls, data: bytes, place: str = "") -> GeneralPolicy:
+        """The policy of the bytes of a file. Raises InputError where they are damaged."""
+        try:
+            return cls(_orasp.parse_general_policy(data))
+        except _orasp.InputError as error:
+            raise _orasp.InputError(f"{place}{error}") from None
+
+    def to_bytes(self) -> bytes:
+        """The bytes of its file."""
+        return self._file.bytes()
+
+    def save(self, file: Union[str, os.PathLike[str]]) -> None:
+        Path(file).write_bytes(self.to_bytes())
+
+    @property
+    def objective(self) -> str:
+        """The objective of its problems, as a problem file writes it."""
+        return self._file.objective
+
+    @property
+    def direction(self) -> str:
+        return self._file.direction
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """What its problems may state: of base, blocking, precedence and the limits those that one of its
+        training stated."""
+        return frozenset(self._file.keys)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return GeneralPolicy.from_bytes, (self.to_bytes(),)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, GeneralPolicy):
+            return NotImplemented
+        return self.to_bytes() == other.to_bytes()
+
+    def __hash__(self) -> int:
+        return hash(self.to_bytes())
+
+    def __repr__(self) -> str:
+        return f"<orasp.GeneralPolicy for {self.direction}, {self.objective}>"
+
+
+def _bytes_of(file: Union[str, os.PathLike[str]]) -> bytes:
+    try:
+        return Path(file).read_bytes()
+    except OSError as error:
+        raise _orasp.InputError(f'cannot read "{os.fspath(file)}": {error.strerror}') from None
+
+
+def read_policy(file: Union[str, os.PathLike[str]]) -> Union[Policy, GeneralPolicy]:
+    """The policy of a file of ``orasp train``, for one problem or for many."""
+    if _orasp.is_general_policy(_bytes_of(file)):
+        return GeneralPolicy.read(file)
+    return Policy.read(file)
 
 
 @dataclass(frozen=True)

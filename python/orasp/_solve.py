@@ -480,7 +480,7 @@ def solve(
     threads: Optional[int] = None,
     progress: Optional[ProgressCallback] = None,
     stop: Optional[Stopper] = None,
-    policy: Optional[Union[Policy, str, os.PathLike[str]]] = None,
+    policy: Optional[Union[Policy, GeneralPolicy, str, os.PathLike[str]]] = None,
     **options: OptionValue,
 ) -> Result:
     """Finds a plan: the order in which to take a product apart, or to put it together.
@@ -540,23 +540,31 @@ def solve(
         settings["alternatives"] = str(whole("alternatives", alternatives, 1, 1_000_000))
     if steps is not None:
         settings["steps"] = str(whole("steps", steps, 1, 1_000_000))
-    weights = None
+    weights: Optional[_orasp.Weights] = None
+    graph_weights: Optional[_orasp.GraphWeights] = None
     if policy is not None:
-        from orasp._learning import Policy
+        from orasp._learning import GeneralPolicy, Policy, read_policy
 
         texts["policy"] = ""
         _orasp.settings_of(method, texts)  # refuses a policy where the method has none
-        name = policy if isinstance(policy, Policy) else os.fspath(policy)
-        trained = policy if isinstance(policy, Policy) else Policy.read(policy)
-        trained._file.require_trained_on(given._engine(), "the policy" if isinstance(name, Policy) else f'"{name}"')
-        if not isinstance(name, Policy):
-            settings["policy"] = json_text(name)
-        weights = trained._file.weights()
+        if isinstance(policy, (Policy, GeneralPolicy)):
+            trained: Union[Policy, GeneralPolicy] = policy
+            name = "the policy"
+        else:
+            trained = read_policy(policy)
+            name = f'"{os.fspath(policy)}"'
+            settings["policy"] = json_text(os.fspath(policy))
+        trained._file.require_trained_on(given._engine(), name)
+        if isinstance(trained, GeneralPolicy):
+            graph_weights = trained._file.weights()
+        else:
+            weights = trained._file.weights()
     outcome = _orasp.solve(
         given._engine(),
         method,
         texts,
         weights,
+        graph_weights,
         whole("seed", seed),
         None if steps is None else whole("steps", steps, 1, 1_000_000),
         bool(count),

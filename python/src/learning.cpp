@@ -14,6 +14,7 @@
 #include "bindings.h"
 #include "orasp/catalogue.h"
 #include "orasp/io/atomic_file.h"
+#include "orasp/io/graph_policy_file.h"
 #include "orasp/io/policy_file.h"
 #include "orasp/io/problem_json.h"
 #include "orasp/learning/dqn.h"
@@ -170,6 +171,28 @@ void bind_learning(py::module_& module) {
   py::class_<Policy, std::shared_ptr<Policy>>(module, "Weights");
   module.def("parse_policy", [](const py::bytes& bytes) {
     return std::make_shared<PolicyFile>(parse_policy(std::string(bytes)));
+  });
+  py::class_<GraphPolicyFile, std::shared_ptr<GraphPolicyFile>>(module, "GeneralPolicy")
+      .def_property_readonly("objective",
+                             [](const GraphPolicyFile& file) { return file.kind.objective; })
+      .def_property_readonly("direction",
+                             [](const GraphPolicyFile& file) { return file.kind.direction; })
+      .def_property_readonly("keys", [](const GraphPolicyFile& file) { return file.kind.keys; })
+      .def_readonly("seed", &GraphPolicyFile::seed)
+      .def("bytes", [](const GraphPolicyFile& file) { return py::bytes(graph_policy_bytes(file)); })
+      .def("weights",
+           [](const GraphPolicyFile& file) {
+             return std::make_shared<const GraphPolicy>(file.policy);
+           })
+      .def("require_trained_on",
+           [](const GraphPolicyFile& file, const Problem& problem, const std::string& name) {
+             require_kind(problem, file.kind, name);
+           });
+  py::class_<GraphPolicy, std::shared_ptr<GraphPolicy>>(module, "GraphWeights");
+  module.def("is_general_policy",
+             [](const py::bytes& bytes) { return is_graph_policy(std::string(bytes)); });
+  module.def("parse_general_policy", [](const py::bytes& bytes) {
+    return std::make_shared<GraphPolicyFile>(parse_graph_policy(std::string(bytes)));
   });
   module.def("train", &train_policy);
   module.def("follow", &follow);

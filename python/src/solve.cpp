@@ -91,11 +91,13 @@ void require_sense_of_other_plans(const Problem& problem, const char* option) {
 std::unique_ptr<Outcome> solve_problem(const ProblemPointer& problem, const std::string& method,
                                        const OptionTexts& given,
                                        const std::shared_ptr<const Policy>& policy,
+                                       const std::shared_ptr<const GraphPolicy>& graph_policy,
                                        std::uint64_t seed, std::optional<std::size_t> steps,
                                        bool count, std::uint64_t most_alternatives, Run run) {
   Options options = options_called(method, given);
   options.seed = seed;
   options.policy = policy;
+  options.graph_policy = graph_policy;
   const char* const other_plans = count                   ? "count"
                                   : most_alternatives > 0 ? "alternatives"
                                                           : nullptr;
@@ -264,8 +266,8 @@ void bind_solve(py::module_& module) {
           py::call_guard<py::gil_scoped_release>());
 
   module.def("solve", &solve_problem, py::arg("problem"), py::arg("method"), py::arg("options"),
-             py::arg("policy"), py::arg("seed"), py::arg("steps"), py::arg("count"),
-             py::arg("alternatives"), py::arg("run"));
+             py::arg("policy"), py::arg("graph_policy"), py::arg("seed"), py::arg("steps"),
+             py::arg("count"), py::arg("alternatives"), py::arg("run"));
   module.def("write_model", &write_program);
   module.def("settings_of", &settings_of);
   module.def("methods", &methods);

@@ -1,4 +1,5 @@
 """Training and policies; skipped where libtorch is missing."""
+import json
 import pickle
 import tempfile
 import unittest
@@ -46,6 +47,33 @@ class Training(unittest.TestCase):
             orasp.solve("4piece", "greedy", policy="policy.pt")
         with self.assertRaisesRegex(orasp.InputError, "cannot read"):
             orasp.solve("4piece", "dqn", policy="policy.pt")
+
+
+class General(unittest.TestCase):
+    """Policies for many products, which need no libtorch."""
+
+    def test_plans_for_problems_of_its_kind(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "general.pt"
+            code, _, error = run("train", "--problems", "tree:8:1", "tree:9:2", "tree:10:3", "-o", str(file), "--quiet")
+            self.assertEqual(code, 0, error)
+            policy = orasp.GeneralPolicy.read(file)
+            self.assertEqual(policy.direction, "disassembly")
+            self.assertEqual(policy.keys, frozenset())
+            self.assertIn("cubesat", policy.objective)
+            self.assertEqual(pickle.loads(pickle.dumps(policy)), policy)
+            planned = orasp.solve("tree:30:5", "dqn", policy=file)
+            self.assertEqual(planned.connections, orasp.solve("tree:30:5", "dqn", policy=policy).connections)
+            _, out, _ = run("solve", "tree:30:5", "--method", "dqn", "--policy", str(file), "--json", "--quiet")
+            self.assertEqual(json.loads(out)["disassembly"], planned.connections)
+            proved = orasp.solve("tree:30:5", "beam", policy=policy)
+            self.assertEqual(proved.status, "optimal")
+            self.assertGreaterEqual(proved.reward, planned.reward)
+            with self.assertRaisesRegex(orasp.InputError, "was trained for the objective"):
+                orasp.solve("tree:30:5", "dqn", policy=file, objective="completion")
+            file.write_bytes(policy.to_bytes()[:-1])
+            with self.assertRaisesRegex(orasp.InputError, "general.pt"):
+                orasp.solve("tree:30:5", "dqn", policy=file)
 
 
 class Without(unittest.TestCase):

@@ -24,6 +24,8 @@
 
 namespace orasp {
 
+struct GraphPolicy;
+
 /// The options of all methods, each with its defaults. A method's row in the table picks its own.
 struct Options {
   /// Of every method that draws random numbers.
@@ -39,6 +41,9 @@ struct Options {
   DqnOptions dqn{};
   /// What dqn plans with; empty: it trains a policy first.
   std::shared_ptr<const Policy> policy{};
+  /// Or a policy for many products. Whether the problem is of its kind is for the caller to see
+  /// (require_kind() of io/graph_policy_file.h).
+  std::shared_ptr<const GraphPolicy> graph_policy{};
 };
 
 /// What a row of the catalogue is handed: a task, what was derived from it once, options and

@@ -7,6 +7,7 @@
 #include "orasp/fleet/fleet_heuristics.h"
 #include "orasp/fleet/fleet_mip.h"
 #include "orasp/fleet/fleet_search.h"
+#include "orasp/learning/graph_policy.h"
 #include "orasp/learning/network.h"
 #include "orasp/learning/q_learning.h"
 #include "orasp/mip/mip.h"
@@ -99,6 +100,25 @@ Reason bound_asked_for(const Request& request) {
   return symmetry_obstacle(*request.system, request.options.symmetry);
 }
 
+/// Why the policy that was given makes no plan here.
+Reason policy_fits(const Request& request) {
+  const Options& options = request.options;
+  if (!options.policy && !options.graph_policy) return std::nullopt;
+  if (request.system == nullptr)
+    return std::string("begins with the plan of a policy only where one robot works");
+  if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
+  if (request.system->wide()) return std::string(kPlainSteps);
+  if (request.system->problem().uncertain())
+    return std::string("begins with the plan of a policy only where every attempt succeeds");
+  return options.graph_policy ? graph_policy_obstacle(*request.system)
+                              : policy_obstacle(*request.system, *options.policy);
+}
+
+Reason beam_needs(const Request& request) {
+  if (Reason reason = bound_asked_for(request)) return reason;
+  return policy_fits(request);
+}
+
 Reason pieces_needed(const Request& request) {
   if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
   if (auto reason = and_or_obstacle(*request.system)) return reason;
@@ -128,8 +148,10 @@ Reason fleet_search_needed(const Request& request) {
 
 Reason network_needed(const Request& request) {
   if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
-  return request.options.policy ? policy_obstacle(*request.system, *request.options.policy)
-                                : network_obstacle();
+  const Options& options = request.options;
+  if (options.graph_policy) return graph_policy_obstacle(*request.system);
+  if (options.policy) return policy_obstacle(*request.system, *options.policy);
+  return trains_over_pieces(*request.system, options.dqn) ? std::nullopt : network_obstacle();
 }
 
 Result run_value_iteration(const Request& request) {
@@ -153,11 +175,30 @@ Result run_value_iteration(const Request& request) {
   return value_iteration(system, options, request.budget);
 }
 
+/// The plan of the policy that was given; none where there is no policy or no plan.
+/// @throws Refusal: policy_fits().
+std::optional<Result> plan_of_policy(const Request& request, const char* method) {
+  if (const Reason reason = policy_fits(request)) throw Refusal(method, *reason);
+  const Options& options = request.options;
+  std::optional<Result> plan;
+  if (request.system == nullptr || settled_at_sight(request) ||
+      request.system->num_connections() == 0)
+    return std::nullopt;
+  if (options.graph_policy)
+    plan = follow_graph_policy(*request.system, *options.graph_policy, request.budget);
+  else if (options.policy)
+    plan = follow_policy(*request.system, *options.policy, request.budget);
+  if (plan && !plan->has_plan()) plan.reset();
+  return plan;
+}
+
 Result run_automatic(const Request& request) {
+  const std::optional<Result> known = plan_of_policy(request, "auto");
   if (request.system != nullptr) {
     if (request.task.problem.uncertain())
       return uncertain_automatic(*request.system, request.options.value_iteration, request.budget);
-    return automatic(*request.system, request.options.seed, request.budget);
+    return automatic(*request.system, request.options.seed, request.budget,
+                     known ? &*known : nullptr);
   }
   const FleetOptions options = request.fleet_options();
   const Reason too_large = fleet_search_obstacle(*request.fleet, options);
@@ -203,8 +244,11 @@ Result run_a_star(const Request& request) {
 }
 
 Result run_beam(const Request& request) {
+  const std::optional<Result> known = plan_of_policy(request, "beam");
   return beam(*request.system,
-              {.bound = request.options.bound, .symmetry = request.options.symmetry},
+              {.bound = request.options.bound,
+               .incumbent = known ? &*known : nullptr,
+               .symmetry = request.options.symmetry},
               request.budget);
 }
 
@@ -243,6 +287,8 @@ Result run_q_learning(const Request& request) {
 
 Result run_dqn(const Request& request) {
   const Options& options = request.options;
+  if (options.graph_policy)
+    return follow_graph_policy(*request.system, *options.graph_policy, request.budget);
   if (options.policy) return follow_policy(*request.system, *options.policy, request.budget);
   DqnOptions chosen = options.dqn;
   chosen.seed = options.seed;
@@ -263,7 +309,9 @@ constexpr std::array kPlanners = {
             .role = Role::Chooser,
             .fleets = true,
             .uncertain = true,
-            .run = run_automatic},
+            .obstacle = policy_fits,
+            .run = run_automatic,
+            .options = policy_options},
     Planner{.name = "value-iteration",
             .summary = "the paper's graph-based value iteration on H",
             .exact = true,
@@ -299,9 +347,9 @@ constexpr std::array kPlanners = {
     Planner{.name = "beam",
             .summary = "complete anytime beam search: a plan at once, better ones as it goes",
             .exact = true,
-            .obstacle = bound_asked_for,
+            .obstacle = beam_needs,
             .run = run_beam,
-            .options = search_options},
+            .options = beam_options},
     Planner{.name = "and-or",
             .summary = "piece by piece: AND/OR search over connected sets of parts",
             .bounds = true,

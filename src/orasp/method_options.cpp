@@ -75,10 +75,12 @@ constexpr OptionSpec kBound{
 constexpr std::array kBoundOptions = {kBound};
 constexpr std::array kSearchOptions = {kBound, kSymmetry};
 
-constexpr std::array kPolicyOptions = {
-    OptionSpec{"policy", "FILE", FileOption{}, "Plan with this policy of `orasp train`",
-               "train one first"},
-};
+constexpr OptionSpec kPolicy{
+    "policy", "FILE", FileOption{},
+    "Plan with this policy of `orasp train`; auto and beam begin with its plan",
+    "train one first; auto and beam: none"};
+constexpr std::array kPolicyOptions = {kPolicy};
+constexpr std::array kBeamOptions = {kBound, kSymmetry, kPolicy};
 
 constexpr std::string_view kTraining = "Training";
 constexpr std::string_view kPaper = "As in the paper";
@@ -235,6 +237,9 @@ std::span<const OptionSpec> sweep_options() {
 }
 std::span<const OptionSpec> bound_options() {
   return kBoundOptions;
+}
+std::span<const OptionSpec> beam_options() {
+  return kBeamOptions;
 }
 std::span<const OptionSpec> policy_options() {
   return kPolicyOptions;

@@ -75,6 +75,7 @@ struct OptionSpec {
 [[nodiscard]] std::span<const OptionSpec> sweep_options();
 [[nodiscard]] std::span<const OptionSpec> search_options();
 [[nodiscard]] std::span<const OptionSpec> bound_options();
+[[nodiscard]] std::span<const OptionSpec> beam_options();
 [[nodiscard]] std::span<const OptionSpec> policy_options();
 /// How a policy is trained: the options of `orasp train`.
 [[nodiscard]] std::span<const OptionSpec> training_options();

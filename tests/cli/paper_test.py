@@ -211,6 +211,7 @@ class Quick(unittest.TestCase):
                 self.assertLessEqual(row["greedy"], row["best"] + 1e-9)
                 if row["learned"] is not None:
                     self.assertLessEqual(row["learned"], row["best"] + 1e-9)
+                    self.assertLessEqual(row["final"], row["learned"] + 1e-9)
         self.assertEqual(distributions["hubble-upc"]["paper_reported"], -1.127)
         self.assertEqual(distributions["hubble-upc"]["paper_replayed"], -1.9118)
         self.assertEqual(distributions["iss-upc"]["paper_replayed"], -3.98)

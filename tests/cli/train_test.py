@@ -195,6 +195,26 @@ class Train(Case):
         self.assertEqual(answer.code, 30)
         self.assertIn("was trained on another problem", answer.error)
 
+    def test_one_policy_for_many_products(self):
+        policy = self.folder / "general.pt"
+        answer = orasp("train", "--problems", "tree:8:1", "tree:9:2", "tree:10:3", "-o", policy, "--json", "--quiet")
+        self.assertEqual(answer.code, 0, answer.error)
+        learned = json.loads(answer.out)
+        self.assertEqual((learned["problems"], learned["held_out_problems"]), (2, 1))
+        rewards = {}
+        for method in ("dqn", "beam", "auto"):
+            answer = orasp("solve", "tree:30:5", "--method", method, "--policy", policy, "--json", "--quiet")
+            self.assertEqual(answer.code, 0, answer.error)
+            rewards[method] = json.loads(answer.out)["reward"]
+        self.assertEqual(rewards["beam"], rewards["auto"])
+        self.assertLessEqual(rewards["dqn"], rewards["beam"])
+        for arguments, words in [(["--objective", "completion"], "was trained for the objective"),
+                                 (["--direction", "assembly"], "was trained for disassembly, not for assembly"),
+                                 (["--max-moved-parts", "3"], "was trained on problems without max_moved_parts")]:
+            answer = orasp("solve", "tree:30:5", "--method", "beam", "--policy", policy, *arguments)
+            self.assertEqual(answer.code, 30)
+            self.assertIn(words, answer.error)
+
     def test_options_that_make_no_sense(self):
         for arguments, words in [(["--discount", "1.5"], "from 0 to 1"), (["--epsilon-end", "-1"], "from 0 to 1"),
                                  (["--imitation", "nan"], "from 0 to 1"), (["--hidden", "8,,8"], "whole number"),

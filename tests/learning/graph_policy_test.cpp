@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/catalogue.h"
 #include "orasp/io/graph_policy_file.h"
 #include "orasp/io/objective_json.h"
 #include "orasp/io/problem_source.h"
@@ -19,6 +20,8 @@
 #include "orasp/model/random.h"
 #include "orasp/planners/automatic.h"
 #include "orasp/planners/greedy.h"
+#include "tests/random_problems.h"
+#include "tests/seeds.h"
 
 namespace orasp {
 namespace {
@@ -140,6 +143,57 @@ TEST(Imitation, CarriesOverToProductsNotSeen) {
 TEST(Imitation, TheSameSeedTheSamePolicy) {
   const auto seen = products({"tree:8:1", "tree:9:2", "grid:2x3"});
   EXPECT_EQ(imitated(seen, 3).policy.weights, imitated(seen, 3).policy.weights);
+}
+
+// Both directions, all constraints: the policy is a plan to begin with and proves nothing.
+TEST(GraphPolicy, SearchesThatBeginWithItsPlanProveTheSame) {
+  const auto policy = std::make_shared<const GraphPolicy>(GraphPolicy::untrained(4));
+  int solved = 0;
+  int none = 0;
+  for (std::uint64_t seed = 0; seed < some_of(std::uint64_t{150}); ++seed) {
+    const Problem problem(random_problem(seed));
+    const TransitionSystem system(problem);
+    if (system.wide() || problem.uncertain() || system.calls_out()) continue;
+    for (const char* method : {"auto", "beam"}) {
+      const Result without = solve(Task(problem), method, {}, {});
+      Options options;
+      options.graph_policy = policy;
+      const Result with = solve(Task(problem), method, options, {});
+      EXPECT_EQ(with.status, without.status) << method << seed;
+      EXPECT_EQ(with.method, method);
+      if (!without.has_plan()) {
+        ++none;
+        continue;
+      }
+      ++solved;
+      EXPECT_NEAR(with.reward, without.reward, 1e-9) << method << seed;
+    }
+  }
+  EXPECT_GT(solved, more_than(100));
+  EXPECT_GT(none, more_than(10));
+}
+
+TEST(GraphPolicy, IsWhatDqnPlansWith) {
+  const Problem problem = find_problem("tree:20:3");
+  Options options;
+  options.graph_policy = std::make_shared<const GraphPolicy>(GraphPolicy::untrained(1));
+  const Result result = solve(Task(problem), "dqn", options, {});
+  EXPECT_EQ(result.sequence, greedy(TransitionSystem(problem), {}).sequence);
+  // A plan to begin with is never lost, however short the search.
+  Budget none;
+  none.max_expansions = 1;
+  const Result searched = solve(Task(problem), "beam", options, none);
+  EXPECT_GE(searched.reward, result.reward);
+}
+
+TEST(GraphPolicy, OneThatDoesNotFitIsRefused) {
+  ProblemSpec spec = find_problem("4piece").spec();
+  spec.connections.front().success = 0.5;
+  spec.connections.front().on_failure.abort = -3;
+  const Problem problem(std::move(spec));
+  Options options;
+  options.graph_policy = std::make_shared<const GraphPolicy>(GraphPolicy::untrained(1));
+  EXPECT_THROW(static_cast<void>(solve(Task(problem), "auto", options, {})), InputError);
 }
 
 std::string refused_with(const std::string& bytes) {

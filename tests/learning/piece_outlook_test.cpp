@@ -65,7 +65,7 @@ void for_each_state(const TransitionSystem& system, std::uint64_t seed, Visit&& 
 TEST(PieceOutlook, IsExactOfSmallPieces) {
   int lose = 0;
   int dead = 0;
-  for (std::uint64_t seed = 0; seed < some_of(std::uint64_t{800}); ++seed) {
+  for (std::uint64_t seed = 0; seed < some_of(std::uint64_t{600}); ++seed) {
     ProblemSpec spec = random_problem(seed);
     spec.direction = Direction::Disassembly;
     spec.precedence.clear();

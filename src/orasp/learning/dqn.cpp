@@ -163,9 +163,8 @@ class Trainer final : public detail::TrainingLoop {
                                   const Budget& budget) {
     detail::check_training(options);
     const std::size_t connections = system.num_connections();
-    if (options.inputs == NetworkInputs::Auto) {
-      options.inputs = connections < 128 ? NetworkInputs::Connections : NetworkInputs::Pieces;
-    }
+    options.inputs =
+        trains_over_pieces(system, options) ? NetworkInputs::Pieces : NetworkInputs::Connections;
     if (options.inputs == NetworkInputs::Pieces) {
       if (options.device == "cuda") {
         throw InputError(
@@ -505,6 +504,11 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
   training.result.seed = options.seed;
   training.result.statistics.seconds = watch.seconds();
   return training;
+}
+
+bool trains_over_pieces(const TransitionSystem& system, const DqnOptions& options) {
+  return options.inputs == NetworkInputs::Pieces ||
+         (options.inputs == NetworkInputs::Auto && system.num_connections() >= 128);
 }
 
 Result dqn(const TransitionSystem& system, const DqnOptions& options, const Budget& budget) {

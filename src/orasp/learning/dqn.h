@@ -77,6 +77,9 @@ struct DqnOptions {
   bool stop_when_proved = true;
 };
 
+/// Whether a network over pieces is trained, for which no libtorch is needed.
+[[nodiscard]] bool trains_over_pieces(const TransitionSystem& system, const DqnOptions& options);
+
 /// What training tells after every round of episodes. Rewards are -infinity until there is one.
 struct TrainingRecord {
   std::uint64_t episodes = 0;

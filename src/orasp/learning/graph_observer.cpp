@@ -95,7 +95,11 @@ float ratio(std::size_t part, std::size_t whole) {
 }  // namespace
 
 GraphObserver::GraphObserver(const TransitionSystem& system)
-    : system_(system), expander_(system), outlook_(system), degrees_(system.problem().num_parts()) {
+    : system_(system),
+      expander_(system),
+      outlook_(system),
+      bound_(system, PieceBound::Kind::Both),
+      degrees_(system.problem().num_parts()) {
   const Problem& problem = system.problem();
   for (const Part& part : problem.parts()) total_mass_ += part.mass;
   for (std::size_t c = 0; c < problem.num_connections(); ++c) {
@@ -103,9 +107,15 @@ GraphObserver::GraphObserver(const TransitionSystem& system)
   }
   for (const Action& action : expander_.legal_actions(system.start().view()))
     scale_ = std::max(scale_, std::abs(action.reward));
+  if (outlook_.known()) {
+    unit_ = outlook_.unit();
+  } else if (bound_.known() && system.num_steps() > 0) {
+    const double most = std::abs(bound_(system.start().view()));
+    if (most > 0 && std::isfinite(most)) unit_ = most / static_cast<double>(system.num_steps());
+  }
 }
 
-GraphState GraphObserver::observe(SetView open, std::span<const Action> legal, bool looks_ahead) {
+GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
   const Problem& problem = system_.problem();
   const std::size_t parts = problem.num_parts();
   const std::vector<Action> actions(legal.begin(), legal.end());
@@ -220,11 +230,17 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal, b
   }
   state.actions.reserve(actions.size() * kAction);
   std::vector<bool> beside(parts);
-  const std::vector<PieceOutlook::Step> unseen(looks_ahead ? 0 : actions.size());
-  const std::span<const PieceOutlook::Step> outlook =
-      looks_ahead ? outlook_.look(open, actions) : std::span(unseen);
+  const std::span<const PieceOutlook::Step> outlook = outlook_.look(open, actions);
+  // What each step loses at least.
+  std::vector<double> bounds;
+  double here = 0;
+  if (bound_.known()) {
+    bounds.resize(actions.size());
+    here = bound_(open);
+    bound_.of_successors(open, here, actions, bounds);
+  }
   const auto in_units = [&](double loss) {
-    return static_cast<float>(std::min(loss / outlook_.unit(), 4.0));
+    return static_cast<float>(std::min(loss / unit_, 4.0));
   };
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const ConnectionIndex c = actions[i].connection;
@@ -246,10 +262,7 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal, b
     const std::size_t large = std::max(step.a.size(), step.b.size());
     const float one = ranks.rank[p];
     const float other = ranks.rank[q];
-    const double by_sizes =
-        outlook_.known() && step.separates && std::isfinite(outlook_.bound_loss(small, large))
-            ? outlook_.bound_loss(small, large)
-            : 0.0;
+    const double by_bound = bounds.empty() ? 0.0 : here - actions[i].reward - bounds[i];
     const float next = relative(ahead, ahead[i]);
     const float now = relative(rewards, actions[i].reward);
     const std::array<float, kAction> features = {
@@ -276,10 +289,10 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal, b
         next == 0 ? 1.0F : 0.0F,
         dead[i] ? 1.0F : 0.0F,
         outlook[i].known ? 1.0F : 0.0F,
-        in_units(by_sizes),
-        by_sizes > kLeastLoss * outlook_.unit() ? 1.0F : 0.0F,
+        in_units(std::max(by_bound, 0.0)),
+        by_bound > kLeastLoss * unit_ ? 1.0F : 0.0F,
         in_units(outlook[i].loss),
-        outlook[i].loss > kLeastLoss * outlook_.unit() ? 1.0F : 0.0F,
+        outlook[i].loss > kLeastLoss * unit_ ? 1.0F : 0.0F,
         std::isfinite(outlook[i].loss) ? 0.0F : 1.0F,
         outlook[i].at_bound ? 1.0F : 0.0F};
     state.actions.insert(state.actions.end(), features.begin(), features.end());

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "orasp/bounds/piece_bound.h"
 #include "orasp/learning/piece_outlook.h"
 #include "orasp/model/transition_system.h"
 
@@ -46,15 +47,15 @@ class GraphObserver {
 
   /// The state `open`, whose legal actions these are. What steps separate and what can be earned
   /// next comes from the Expander. O(actions * (parts + connections)).
-  /// `looks_ahead`: whether the quick plans of PieceOutlook are made; without, all pieces look as
-  /// those do that are too large for it.
-  [[nodiscard]] GraphState observe(SetView open, std::span<const Action> actions,
-                                   bool looks_ahead = true);
+  [[nodiscard]] GraphState observe(SetView open, std::span<const Action> actions);
 
  private:
   const TransitionSystem& system_;
   Expander expander_;
   PieceOutlook outlook_;
+  PieceBound bound_;
+  /// What losses are measured in: about what a step earns.
+  double unit_ = 1;
   double total_mass_ = 0;
   double scale_ = 0;
   std::vector<float> degrees_;

@@ -30,7 +30,6 @@ constexpr std::size_t kBatch = 16;
 // Of the steps of a walk: those that earn most at once, then random ones, then right ones.
 constexpr double kGreedyShare = 0.25;
 constexpr double kRightFrom = 0.5;
-constexpr double kHidden = 0.25;
 
 struct Answer {
   std::optional<double> value;
@@ -207,13 +206,11 @@ std::optional<std::vector<double>> action_losses(const TransitionSystem& system,
 }
 
 std::vector<LabelledState> label_states(const TransitionSystem& system, std::size_t states,
-                                        std::uint64_t seed, const Budget& budget,
-                                        const GraphPolicy* guide) {
+                                        std::uint64_t seed, const Budget& budget) {
   std::vector<LabelledState> labelled;
   SplitMix64 random(seed);
   Expander expander(system);
   GraphObserver observer(system);
-  GraphNetwork network;
   Oracle oracle(system, budget);
   double greatest = 0;
   std::size_t too_many = std::numeric_limits<std::size_t>::max();  // open, for the engine
@@ -235,20 +232,11 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
         next = static_cast<std::size_t>(std::ranges::max_element(actions, {}, &Action::reward) -
                                         actions.begin());
       }
-      std::optional<GraphState> seen;
-      if (asks || (guide != nullptr && kind >= kRightFrom))
-        seen = observer.observe(open.view(), actions);
-      if (guide != nullptr && kind >= kRightFrom) {
-        const std::span<const float> worth = network.worth(*guide, *seen);
-        next = static_cast<std::size_t>(std::ranges::max_element(worth) - worth.begin());
-      }
       if (asks) {
         std::size_t best = next;
         const auto losses = oracle.losses(open, actions, best);
         if (losses) {
-          // Some without quick plans, so that it learns what to do where there are none.
-          if (random.uniform() < kHidden) seen = observer.observe(open.view(), actions, false);
-          LabelledState one{std::move(*seen), {}};
+          LabelledState one{observer.observe(open.view(), actions), {}};
           bool choice = false;
           for (const double loss : *losses) {
             if (loss > 0) choice = true;
@@ -256,7 +244,7 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
             one.loss.push_back(static_cast<float>(loss));
           }
           if (choice) labelled.push_back(std::move(one));
-          if (guide == nullptr && kind >= kRightFrom) next = best;
+          if (kind >= kRightFrom) next = best;
         } else if (oracle.value(open).value) {
           break;  // no plan from here
         }

@@ -66,17 +66,15 @@ struct Imitation {
                                                                std::span<const Action> actions,
                                                                const Budget& budget);
 
-/// States of a problem with what the engine proves of them: half of the walks' steps are optimal
-/// (or what `guide` chooses, where there is one), a quarter greedy, a quarter random, so that states
-/// on and off the best path are seen. An action is optimal where a plan that begins with it earns
-/// the proved value: one that the engine finds, or a known plan in which it comes first; it is known
-/// to lose where its bound or its proved value is below. States that a fixed number of expansions
-/// does not settle are left out; after several of them only smaller ones are asked about. The same
-/// for the same seed.
+/// States of a problem with what the engine proves of them: half of the walks' steps are optimal, a
+/// quarter greedy, a quarter random, so that states on and off the best path are seen. An action is
+/// optimal where a plan that begins with it earns the proved value: one that the engine finds, or a
+/// known plan in which it comes first; it is known to lose where its bound or its proved value is
+/// below. States that a fixed number of expansions does not settle are left out; after several of
+/// them only smaller ones are asked about. The same for the same seed.
 [[nodiscard]] std::vector<LabelledState> label_states(const TransitionSystem& system,
                                                       std::size_t states, std::uint64_t seed,
-                                                      const Budget& budget,
-                                                      const GraphPolicy* guide = nullptr);
+                                                      const Budget& budget);
 
 /// Learns one policy from the proved values of many problems.
 ///

@@ -13,22 +13,21 @@
 
 namespace orasp {
 
-/// What becomes of a product piece by piece after each legal step: what the cuts of the pieces
-/// could gain by their sizes, and what a quick plan of them does gain. A policy looks at it, and
-/// nothing that is proved rests on it.
+/// What becomes of a product piece by piece after each legal step, by a quick plan of the piece
+/// that the step changes. A policy looks at it, and nothing that is proved rests on it.
 ///
-/// Idea.       Rewards are sums over pieces, so a step is told by the piece that it changes. A piece
-///             of up to kExact parts is worked out over all its cuts: V(S) = max of gain(A, B) +
-///             V(A) + V(B) (Bellman's recursion over pieces; blocking looks at A and B alone). A
-///             larger one is peeled: of the sizes of a cut, the best by the bound first, the first
-///             cut that hangs together and that blocking allows, and so on with both sides. Cuts of
-///             one to three parts, and those at single connections, are looked at. Where the plan
-///             that follows earns less than the bound, other cuts are tried, until kMostTried pieces
-///             were looked at.
+/// Idea.       Rewards are sums over pieces, so a step is told by the piece that it changes. A
+///             piece of up to kExact parts is worked out over all its cuts: V(S) = max of gain(A,
+///             B) + V(A) + V(B) (Bellman's recursion over pieces; blocking looks at A and B alone).
+///             A larger one is peeled: of the sizes of a cut, the best by the bound first, the
+///             first cut that hangs together and that blocking allows, and so on with both sides.
+///             Cuts of one to three parts, and those at single connections, are looked at. Where
+///             the plan that follows earns less than the bound, other cuts are tried, until
+///             kMostTried pieces were looked at.
 /// Reference.  A quick plan as the estimate of a state: rollouts, Bertsekas, Tsitsiklis and Wu
 ///             (1997), Journal of Heuristics 3, 245-262.
-/// Guarantee.  Deterministic. Precedence and max_subassemblies are not looked at, so an estimate may
-///             be too high there; and too low wherever a better plan is not found.
+/// Guarantee.  Deterministic. Precedence and max_subassemblies are not looked at, so an estimate
+///             may be too high there; and too low wherever a better plan is not found.
 /// Applies.    Where steps take apart and what a cut gains depends on sizes alone
 ///             (TransitionSystem::gain_by_sizes), without a base, a limit of mass, or connections
 ///             that are kept; for pieces of up to 64 parts.
@@ -59,11 +58,6 @@ class PieceOutlook {
   /// What a cut gains in the mean, in the best case of the start: a unit to measure losses in.
   /// Positive.
   [[nodiscard]] double unit() const { return unit_; }
-  /// What a cut into so many parts loses by the bound by sizes alone, however large the piece is.
-  /// Only where known().
-  [[nodiscard]] double bound_loss(std::size_t a, std::size_t b) const {
-    return most(a + b) - gain(a, b) - most(a) - most(b);
-  }
   /// The legal steps of the state `open`. Valid until the next call.
   [[nodiscard]] std::span<const Step> look(SetView open, std::span<const Action> actions);
 
@@ -101,8 +95,8 @@ class PieceOutlook {
   double value(Mask parts, std::size_t size);
   double exact(Mask parts, std::size_t size);
   double peeled(Mask parts, std::size_t size);
-  /// Calls visit(A) for the cuts of `parts` into A, of `size` parts, and the rest that hang together
-  /// and come apart, until it says false.
+  /// Calls visit(A) for the cuts of `parts` into A, of `size` parts, and the rest that hang
+  /// together and come apart, until it says false.
   template <class Visit>
   bool for_each_cut(Mask parts, std::size_t total, std::size_t size, Visit&& visit);
   template <class Visit>

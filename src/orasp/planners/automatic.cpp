@@ -167,7 +167,7 @@ class PieceTurns {
 
 /// `system` is `forwards`, or that backwards, where more is known about what is still to come.
 Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
-              const Budget& budget) {
+              const Budget& budget, const Result* known) {
   const ConnectionSet start = system.start();
   // A result of the system forwards, as one of `system`.
   const auto turned = [&](Result result) {
@@ -175,6 +175,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     return result;
   };
   Findings findings;
+  if (known != nullptr) findings.add(turned(*known));
   Budget first = budget;
   first.max_expansions = std::min(budget.max_expansions, kFirstLook + 4 * system.num_connections());
 
@@ -282,7 +283,8 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 
 }  // namespace
 
-Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
+Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget,
+                 const Result* known) {
   if (system.wide()) {
     Result result = detail::wide_automatic(system, budget);
     result.seed = seed;
@@ -290,7 +292,7 @@ Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budge
   }
   if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
   Result result = detail::from_the_end(
-      system, [&](const TransitionSystem& from) { return chosen(system, from, budget); });
+      system, [&](const TransitionSystem& from) { return chosen(system, from, budget, known); });
   result.seed = seed;
   return result;
 }

@@ -20,7 +20,9 @@ inline constexpr double kAutomaticMostActions = 2e8;
 ///             turns, where memory and time allow, dense value iteration.
 /// Guarantee.  Optimal only with one of these proofs; otherwise the best plan found and the least
 ///             bound proved. The same for any number of threads, unless a limit stops it.
+/// @param known  A plan to begin with, or null: only better ones are looked for. Not where
+///               TransitionSystem::wide().
 [[nodiscard]] Result automatic(const TransitionSystem& system, std::uint64_t seed,
-                               const Budget& budget);
+                               const Budget& budget, const Result* known = nullptr);
 
 }  // namespace orasp
