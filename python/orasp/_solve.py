@@ -19,7 +19,7 @@ from orasp._reward import ObjectiveLike
 
 if TYPE_CHECKING:
     from orasp._certificates import Certificate
-    from orasp._learning import Policy
+    from orasp._learning import GeneralPolicy, Policy
 
 _LARGEST_FILE = 256 << 20
 

@@ -19,6 +19,7 @@
 #include "orasp/io/mip_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/state_policy_json.h"
+#include "orasp/learning/graph_policy.h"
 #include "orasp/method_options.h"
 #include "orasp/mip/mip.h"
 #include "outcome.h"

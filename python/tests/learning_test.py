@@ -43,7 +43,7 @@ class Training(unittest.TestCase):
     def test_faults(self):
         with self.assertRaisesRegex(orasp.InputError, "train has no option episode"):
             orasp.train("4piece", episode=3)
-        with self.assertRaisesRegex(orasp.InputError, "policy belongs to the method dqn, not to greedy"):
+        with self.assertRaisesRegex(orasp.InputError, "policy belongs to the methods auto, beam and dqn, not to greedy"):
             orasp.solve("4piece", "greedy", policy="policy.pt")
         with self.assertRaisesRegex(orasp.InputError, "cannot read"):
             orasp.solve("4piece", "dqn", policy="policy.pt")

@@ -162,9 +162,9 @@ class Train(Case):
             self.assertEqual(answer.code, 30)
             self.assertIn("was trained on another problem", answer.error)
         self.assertEqual(orasp("solve", "hubble", "--method", "dqn", "--policy", "absent.pt").code, 30)
-        answer = orasp("solve", "hubble-upc", "--policy", policy)
+        answer = orasp("solve", "hubble-upc", "--method", "greedy", "--policy", policy)
         self.assertEqual(answer.code, 30)
-        self.assertIn("--policy belongs to the method dqn", answer.error)
+        self.assertIn("--policy belongs to the methods auto, beam and dqn", answer.error)
 
     def test_a_network_over_pieces_needs_no_libtorch(self):
         policy = self.folder / "policy.pt"
