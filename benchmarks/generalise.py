@@ -2,14 +2,17 @@
 """Measures policies for products they have not seen (docs/learning.md, "One policy for many products").
 
     benchmarks/generalise.py ORASP trees
+    benchmarks/generalise.py ORASP positions
     benchmarks/generalise.py ORASP FOLDER [--folds 5] [--only FOLD]
 
 `trees` learns from random trees and grids of 10 to 30 parts under -separates*(moved_parts+kept_parts) and asks about trees and
-grids of 60 to 200 parts. FOLDER holds problem files: cross-validation under cubesat. Prints a line for each problem asked, and how
+grids of 60 to 200 parts. `positions` learns under time, with positions at random and the limits 4 and 3, from products of 8 to 38
+parts and asks about three of 144 to 300. FOLDER holds problem files: cross-validation under cubesat. Prints a line for each problem asked, and how
 far the policy and greedy are from the optimum, which auto proves.
 """
 import argparse
 import json
+import random
 import subprocess
 import sys
 import tempfile
@@ -19,6 +22,25 @@ FORMULA = '{"type": "expression", "formula": "-separates*(moved_parts+kept_parts
 TRAIN = [f"tree:{parts}:{parts}" for parts in range(10, 31)] + [f"tree:{parts}:{parts + 100}" for parts in range(10, 31)] + [
     "grid:2x5", "grid:3x4", "grid:2x7", "grid:3x5", "grid:4x4", "grid:3x6", "grid:4x5", "grid:3x7", "grid:5x5", "grid:4x6", "grid:5x6"]
 ASK = [f"tree:{parts}:7" for parts in range(60, 201, 10)] + ["grid:6x10", "grid:8x8", "grid:8x10", "grid:10x10", "grid:10x14", "grid:14x14"]
+
+PLACED = ([f"chain:{parts}" for parts in (8, 12, 16, 20, 24, 30)]
+          + [f"tree:{parts}:{parts}" for parts in (8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 34, 38)]
+          + [f"tree:{parts}:{parts + 50}" for parts in (12, 16, 20, 24, 28)]
+          + [f"grid:{size}" for size in ("2x4", "3x3", "3x4", "3x5", "4x4", "3x6", "4x5", "5x5", "4x6", "2x8", "3x7", "5x6")])
+ASK_PLACED = ["chain:200", "tree:300:7", "grid:12x12"]
+
+
+def placed(orasp, folder, name, seed):
+    """The file of a problem under time, its parts at random in a cube of 10 m."""
+    problem = json.loads(subprocess.run([orasp, "scenarios", name], check=True, capture_output=True, text=True).stdout)
+    draw = random.Random(seed)
+    for part in problem["parts"]:
+        part["position"] = [round(draw.uniform(-5, 5), 3) for _ in range(3)]
+    problem["limits"] = {"max_subassemblies": 4, "max_moved_parts": 3}
+    problem["objective"] = {"type": "time"}
+    file = Path(folder) / f"{name.replace(':', '-')}-{seed}.json"
+    file.write_text(json.dumps(problem), encoding="utf-8")
+    return str(file)
 
 
 def reward(orasp, problem, objective, *arguments):
@@ -71,6 +93,14 @@ def main():
             objective.write(FORMULA)
             objective.flush()
             summarise(measure(chosen.orasp, TRAIN, ASK, objective.name, chosen.seed, chosen.limit))
+        return
+    if chosen.problems == "positions":
+        with tempfile.TemporaryDirectory() as folder:
+            train = [placed(chosen.orasp, folder, name, 100 + i) for i, name in enumerate(PLACED)]
+            ask = [placed(chosen.orasp, folder, name, 1) for name in ASK_PLACED]
+            for name, best, mine, greedy in measure(chosen.orasp, train, ask, "time", chosen.seed, chosen.limit):
+                gap = best["bound"] - greedy["reward"]
+                print(f"{Path(name).stem}: {100 * (mine['reward'] - greedy['reward']) / gap:.0f} % of the gap of greedy")
         return
     files = sorted(str(file) for file in Path(chosen.problems).glob("*.json"))
     rows = []
