@@ -507,8 +507,9 @@ Training train(const TransitionSystem& system, const DqnOptions& options, const 
 }
 
 bool trains_over_pieces(const TransitionSystem& system, const DqnOptions& options) {
-  return options.inputs == NetworkInputs::Pieces ||
-         (options.inputs == NetworkInputs::Auto && system.num_connections() >= 128);
+  return !system.wide() &&
+         (options.inputs == NetworkInputs::Pieces ||
+          (options.inputs == NetworkInputs::Auto && system.num_connections() >= 128));
 }
 
 Result dqn(const TransitionSystem& system, const DqnOptions& options, const Budget& budget) {
