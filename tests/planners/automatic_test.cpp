@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "orasp/io/formula_parser.h"
+#include "orasp/model/random.h"
 #include "orasp/orasp.h"
 #include "tests/checks.h"
 #include "tests/oracle.h"
@@ -176,6 +177,30 @@ TEST(Automatic, GivesAPlanAndABoundWhereItIsStopped) {
   ASSERT_TRUE(result.bound.has_value());
   EXPECT_LE(result.reward, *result.bound);
   EXPECT_TRUE(evaluate(problem, result.sequence).valid);
+}
+
+// The bound of a product with positions takes longer than a limit of nothing; there is a plan all
+// the same, and a bound with it where one was found.
+TEST(Automatic, HasAPlanWhereTheBoundTakesAllTheTime) {
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
+    ProblemSpec spec = grid(5, 5);
+    SplitMix64 random(5);
+    for (Part& part : spec.parts)
+      part.position = Vector3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform()};
+    spec.objective = Objective::named("travel");
+    spec.direction = direction;
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    Budget budget;
+    budget.set_time_limit(0);
+    const Result result = automatic(system, 1, budget);
+    EXPECT_EQ(status_name(result.status), "feasible");
+    EXPECT_TRUE(evaluate(problem, result.sequence).valid);
+    EXPECT_NEAR(evaluate(problem, result.sequence).reward, result.reward, 1e-9);
+    if (result.bound) {
+      EXPECT_GE(*result.bound, result.reward);
+    }
+  }
 }
 
 }  // namespace

@@ -293,6 +293,17 @@ Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budge
   if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
   Result result = detail::from_the_end(
       system, [&](const TransitionSystem& from) { return chosen(system, from, budget, known); });
+  if (result.status == Status::Unknown && result.stop != Stop::None) {
+    // The limit was over before there was a plan: the bound may take longer than it allows.
+    const Result quick =
+        detail::stopped_with_quick_plan(system, "auto", result.stop, result.statistics);
+    if (quick.has_plan()) {
+      result.status = Status::Feasible;
+      result.sequence = quick.sequence;
+      result.reward = quick.reward;
+      result.notes.insert(result.notes.end(), quick.notes.begin(), quick.notes.end());
+    }
+  }
   result.seed = seed;
   return result;
 }
