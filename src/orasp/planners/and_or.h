@@ -36,7 +36,9 @@ struct AndOrOptions {
 /// Idea.       Depth first with a memory. Loss L(S) = g(S) - V(S) >= 0 against the bound g of
 ///             bounds/piece_gains.h; a cut is followed only while its own loss and the lower bounds
 ///             on the losses of its sides stay within a budget, which grows from 0 at the root
-///             (iterative deepening); sizes of A that lose more are never listed. Within
+///             (iterative deepening); sizes of A that lose more are never listed. Where sizes tell
+///             little of what a cut gains, the cuts of a piece are listed once and kept, those
+///             alone that blocking allows (planners/detail/side_lister.h). Within
 ///             max_subassemblies one side is finished before the other is begun, which needs the
 ///             fewest at a time (Sethi and Ullman 1970), so a memory entry is a set of parts and
 ///             the number allowed to it.
@@ -56,7 +58,7 @@ struct AndOrOptions {
 ///             elsewhere there is no plan of this method's own (Unknown). Infeasible where no piece
 ///             can be cut.
 /// Cost.       Exponential at worst in the parts. A table entry: the set of parts, 8 bytes and 12
-///             to 24 of index.
+///             to 24 of index; where cuts are kept 48 bytes more, and 16 a cut.
 /// Assembly.   The same tree, read from its leaves: A and B are put together. The step that
 ///             completes is then the first one from the root, so at the root alone the steps that
 ///             can be the last joint are looked at one by one, with what completing adds to each.
