@@ -84,7 +84,7 @@ class Oracle {
     if (result.status == Status::Optimal || result.status == Status::Infeasible) return result;
     Result pieces = detail::from_the_end(rest, [&](const TransitionSystem& from) {
       if (and_or_obstacle(from)) return Result{};
-      return and_or(from, {.first_round = 0, .rounds = 1}, budget_);
+      return and_or(from, {.rounds = 1, .symmetry = SymmetryUse::Off}, budget_);
     });
     if (pieces.status == Status::Optimal || pieces.status == Status::Infeasible) return pieces;
     if (pieces.bound && (!result.bound || *pieces.bound < *result.bound)) return pieces;
