@@ -69,6 +69,14 @@ bool more_is_worth_listing(const PieceBound& pieces, const Budget& budget) {
   return !budget.deadline || seconds_left(budget) >= kSecondsForMany;
 }
 
+/// How many small pieces are listed before anything else: fewer where the limit is close.
+std::size_t listed_at_first(const Budget& budget) {
+  constexpr double kLittleTime = 1;  // seconds
+  constexpr std::size_t kFewSets = 20'000;
+  const bool close = budget.deadline && seconds_left(budget) < kLittleTime;
+  return close ? kFewSets : SmallPieces::kMostSets;
+}
+
 /// About how long dense value iteration takes, on the safe side (docs/performance.md: 14 to 28 ns
 /// an action).
 double dense_seconds(const TransitionSystem& system, const Budget& budget) {
@@ -181,7 +189,9 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 
   // A plan that meets the bound, at any size.
   if (system.num_connections() > detail::kManyConnections) findings.add(detail::quick_plan(system));
-  auto pieces = std::make_unique<PieceBound>(system, PieceBound::Kind::Both);
+  auto pieces = std::make_unique<PieceBound>(
+      system, PieceBound::Kind::Both,
+      std::make_shared<const PieceGains>(system, listed_at_first(budget)));
   if (pieces->known()) {
     findings.lower((*pieces)(start.view()));
     if (!findings.settled() && system.num_connections() > detail::kManyConnections)
