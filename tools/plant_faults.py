@@ -90,7 +90,7 @@ FAULTS = [
           "if (named(target)) return true;", "if (named(temporary_name(directory, 0)) && named(target)) return true;",
           "release", ["WriteFile*"]),
     Fault("a signal that stops nothing",
-          "stop.request_stop();", "static_cast<void>(stop.stop_requested());",
+          "  stop.request_stop();\n  if (isatty(", "  static_cast<void>(stop.stop_requested());\n  if (isatty(",
           "release", ["tests/cli/stopping_test.py", "Stopping.test_ctrl_c_prints_the_best_plan_so_far"]),
 ]
 

@@ -142,6 +142,27 @@ bool interrupts_raise() {
   while (true) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
+/// A thread that is waited for, also where the one that waits is thrown out of Python meanwhile.
+class Worker {
+ public:
+  template <class Work>
+  Worker(std::stop_source& source, Work&& work)
+      : source_(source), thread_(std::forward<Work>(work)) {}
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+  ~Worker() {
+    if (!thread_.joinable()) return;
+    if (_Py_IsFinalizing() != 0) wait_for_the_end(source_);
+    source_.request_stop();
+    thread_.join();
+  }
+  void join() { thread_.join(); }
+
+ private:
+  std::stop_source& source_;
+  std::thread thread_;
+};
+
 }  // namespace
 
 void run_watched(const Run& run, bool keeps_partial,
@@ -201,7 +222,7 @@ void run_watched(const Run& run, bool keeps_partial,
   Interrupts::all().enter();
   {
     const py::gil_scoped_release released;
-    std::thread worker([&] {
+    Worker worker(source, [&] {
       try {
         // Held in between, what Python knows of this thread is made once, not at each call.
         std::optional<py::gil_scoped_acquire> known;

@@ -37,7 +37,7 @@ class PieceGains {
 
   /// `most_sets`: the most that SmallPieces lists.
   explicit PieceGains(const TransitionSystem& system,
-                      std::size_t most_sets = SmallPieces::kMostSets);
+                      std::size_t most_sets = SmallPieces::kFewSets);
 
   /// False where the objective sees more than the piece, and where steps make connections.
   [[nodiscard]] bool known() const { return known_; }

@@ -39,19 +39,22 @@ namespace orasp {
 /// Guarantee.  Never below what the cuts of a piece can gain. Precedence, blocking between pieces
 ///             and max_subassemblies only take cuts away. A listed piece that blocking or limits
 ///             leave no cut counts all its cuts: the searches find the dead end.
-/// Cost.       K is the greatest, 12 at most, for which the sets are few enough to be listed in
-///             some tenths of a second; with kManySets in some seconds. O(parts) a piece.
+/// Cost.       K is the greatest, 12 at most, for which the sets are few enough to be listed: in
+///             less than a tenth of a second, with kMostSets in some tenths, with kManySets in some
+///             seconds. O(parts) a piece.
 class SmallPieces {
  public:
   static constexpr std::size_t kMostListed = 12;
-  /// At most so many sets are listed; and where there is more time.
+  /// At most so many sets are listed; where there is a second and some hundred MiB; and where there
+  /// is more time.
+  static constexpr std::size_t kFewSets = 30'000;
   static constexpr std::size_t kMostSets = 200'000;
   static constexpr std::size_t kManySets = 1'000'000;
 
   SmallPieces() = default;
   /// No cut may gain more than 0. Pieces of at most `most_listed` parts are listed.
   SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed = kMostListed,
-              std::size_t most_sets = kMostSets);
+              std::size_t most_sets = kFewSets);
 
   [[nodiscard]] bool known() const { return largest_ > 0; }
   [[nodiscard]] double bound(std::span<const PartIndex> piece) const;

@@ -381,6 +381,7 @@ class Trainer final : public detail::TrainingLoop {
     if (training_.trained.training.best.empty()) return;
     result.status = Status::Feasible;
     result.sequence = training_.trained.training.best;
+    result.reward = training_.record.best;
   }
 
   void learn() override {

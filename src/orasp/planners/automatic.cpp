@@ -69,12 +69,13 @@ bool more_is_worth_listing(const PieceBound& pieces, const Budget& budget) {
   return !budget.deadline || seconds_left(budget) >= kSecondsForMany;
 }
 
-/// How many small pieces are listed before anything else: fewer where the limit is close.
+/// How many small pieces are listed before anything else.
 std::size_t listed_at_first(const Budget& budget) {
-  constexpr double kLittleTime = 1;  // seconds
-  constexpr std::size_t kFewSets = 20'000;
-  const bool close = budget.deadline && seconds_left(budget) < kLittleTime;
-  return close ? kFewSets : SmallPieces::kMostSets;
+  constexpr double kEnoughTime = 1;  // seconds
+  constexpr std::uint64_t kEnoughBytes = std::uint64_t{512} << 20U;
+  const bool enough = (!budget.deadline || seconds_left(budget) > kEnoughTime) &&
+                      allowed_bytes(budget) >= kEnoughBytes;
+  return enough ? SmallPieces::kMostSets : SmallPieces::kFewSets;
 }
 
 /// About how long dense value iteration takes, on the safe side (docs/performance.md: 14 to 28 ns

@@ -397,8 +397,10 @@ class StateTrainer final : public TrainingLoop {
       result.status = Status::Feasible;
       result.sequence = best_plan_.sequence;
       result.steps = best_plan_.steps;
+      result.reward = best_plan_.reward;
     } else if (!best_states_.empty()) {
       // Their steps were listed before and are listed to the end, although time may be over by now.
+      // Where several lead from one state to the next, the walk takes the best: it may earn more.
       const ListingScope as_before(system_, {});
       take_walk(Expander(system_).steps_along(best_states_), result);
       result.status = Status::Feasible;

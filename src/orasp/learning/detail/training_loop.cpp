@@ -199,7 +199,6 @@ void TrainingLoop::finish() {
   result.stop = stop_;
   write_best(result);
   if (!result.has_plan()) return;
-  result.reward = training_.record.best;
   judge_by(training_.record.bound, result);
 }
 

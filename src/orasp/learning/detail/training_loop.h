@@ -53,7 +53,7 @@ class TrainingLoop {
   [[nodiscard]] virtual Result plan_of(const Policy& policy, const Budget& budget) const = 0;
   /// Remembers a plan that earns more than all before.
   virtual void keep_plan(const Result& plan) = 0;
-  /// Writes the plan that was remembered; nothing where there is none.
+  /// Writes the plan that was remembered, and what it earns; nothing where there is none.
   virtual void write_best(Result& result) const = 0;
   /// Steps that are remembered, their bytes, and states expanded.
   [[nodiscard]] virtual std::size_t remembered() const = 0;
