@@ -23,7 +23,7 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
                 problem_.directions().empty()),
       by_connection_(pieces.system.gain_by_connection()),
       limited_(problem_.limits().max_subassemblies.has_value()),
-      stores_(!limited_ && bounded_ && !by_sizes_),
+      stores_(!limited_ && bounded_ && !pieces.system.gain_by_sizes()),
       memo_(kWords + 1) {
   const std::size_t parts = problem_.num_parts();
   neighbours_.resize(parts);
