@@ -32,7 +32,12 @@ class PartReplayer {
         assembly_(problem.direction() == Direction::Assembly),
         reward_(problem),
         with_steps_(with_steps),
-        num_steps_(steps_of_plan) {}
+        num_steps_(steps_of_plan) {
+    connections_of_.resize(problem.num_parts());
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      for (const PartIndex end : problem.ends(c)) connections_of_[end].push_back(c);
+    }
+  }
 
   PlanReplay run(std::span<const PlanStep> steps);
 
@@ -46,6 +51,7 @@ class PartReplayer {
   [[nodiscard]] bool accessible(ConnectionIndex c) const {
     return situation_.open.contains(c) && !situation_.inaccessible.contains(c);
   }
+  [[nodiscard]] Piece grown(PartIndex start, const State& there, std::vector<bool>& seen) const;
   [[nodiscard]] Piece piece_of(PartIndex start, const State& there) const;
   [[nodiscard]] std::vector<Piece> pieces(const State& there) const;
   [[nodiscard]] double mass(const Piece& piece) const;
@@ -65,6 +71,7 @@ class PartReplayer {
   const Problem& problem_;
   const Situation& situation_;
   bool assembly_;
+  std::vector<std::vector<ConnectionIndex>> connections_of_;  ///< by part
   CheckedReward reward_;
   bool with_steps_;
   std::size_t num_steps_;
@@ -74,28 +81,35 @@ class PartReplayer {
   PlanReplay replay_;
 };
 
-Piece PartReplayer::piece_of(PartIndex start, const State& there) const {
-  std::set<PartIndex> found{start};
-  for (bool growing = true; growing;) {
-    growing = false;
-    for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
-      const auto [a, b] = problem_.ends(c);
-      if (!there[c] || found.contains(a) == found.contains(b)) continue;
-      found.insert(a);
-      found.insert(b);
-      growing = true;
+/// The parts that `start` is joined to, directly or not, in rising order; marks them in `seen`, in
+/// which none of them may be marked before.
+Piece PartReplayer::grown(PartIndex start, const State& there, std::vector<bool>& seen) const {
+  Piece piece{start};
+  seen[start] = true;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    for (const ConnectionIndex c : connections_of_[piece[i]]) {
+      if (!there[c]) continue;
+      for (const PartIndex end : problem_.ends(c)) {
+        if (seen[end]) continue;
+        seen[end] = true;
+        piece.push_back(end);
+      }
     }
   }
-  return {found.begin(), found.end()};
+  std::ranges::sort(piece);
+  return piece;
+}
+
+Piece PartReplayer::piece_of(PartIndex start, const State& there) const {
+  std::vector<bool> seen(problem_.num_parts(), false);
+  return grown(start, there, seen);
 }
 
 std::vector<Piece> PartReplayer::pieces(const State& there) const {
   std::vector<Piece> all;
   std::vector<bool> seen(problem_.num_parts(), false);
   for (PartIndex part = 0; part < problem_.num_parts(); ++part) {
-    if (seen[part]) continue;
-    all.push_back(piece_of(part, there));
-    for (const PartIndex member : all.back()) seen[member] = true;
+    if (!seen[part]) all.push_back(grown(part, there, seen));
   }
   return all;
 }
