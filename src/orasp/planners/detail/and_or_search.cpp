@@ -152,11 +152,29 @@ double AndOrSearch<kWords>::search(const Set& piece, std::size_t parts, std::siz
     return loss_[number];
   }
 
+  const auto [best, next] = least_listed_loss(piece, parts, allowed, limit);
+  return settled_loss(number, limit, best, next);
+}
+
+/// Lists the cuts of a piece and follows them: as least_loss().
+template <std::size_t kWords>
+std::pair<double, double> AndOrSearch<kWords>::least_listed_loss(const Set& piece,
+                                                                 std::size_t parts,
+                                                                 std::size_t allowed,
+                                                                 double limit) {
   const std::size_t begin = cuts_.size();
   const double skipped = list_cuts(piece, parts, allowed, limit);
   sort_cuts(begin);
-  const auto [best, next] = least_loss(piece, parts, allowed, limit, begin, skipped);
+  const auto found = least_loss(piece, parts, allowed, limit, begin, skipped);
   cuts_.resize(begin);
+  return found;
+}
+
+/// What is known of the loss of a piece of memo_ after its cuts were followed within `limit`, with
+/// what least_loss() says; remembers it.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::settled_loss(std::uint32_t number, double limit, double best,
+                                         double next) {
   if (must_stop()) return loss_[number];
   if (best < kInfinity) {
     loss_[number] = best;

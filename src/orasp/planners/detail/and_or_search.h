@@ -191,6 +191,9 @@ class AndOrSearch {
   template <class Report>
   double solve(const Set& piece, std::size_t allowed, Report&& report);
   double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
+  std::pair<double, double> least_listed_loss(const Set& piece, std::size_t parts,
+                                              std::size_t allowed, double limit);
+  double settled_loss(std::uint32_t number, double limit, double best, double next);
   void sort_cuts(std::size_t begin);
   std::pair<double, double> least_loss(const Set& piece, std::size_t parts, std::size_t allowed,
                                        double limit, std::size_t begin, double skipped);

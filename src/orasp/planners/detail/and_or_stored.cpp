@@ -31,22 +31,9 @@ double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
     std::tie(best, next) = least_stored_loss(number, limit);
   } else if (!must_stop()) {
     const Set piece = set_of(number);
-    const std::size_t parts = piece.size();
-    const std::size_t begin = cuts_.size();
-    const double skipped = list_cuts(piece, parts, kMostAllowed, limit);
-    sort_cuts(begin);
-    std::tie(best, next) = least_loss(piece, parts, kMostAllowed, limit, begin, skipped);
-    cuts_.resize(begin);
+    std::tie(best, next) = least_listed_loss(piece, piece.size(), kMostAllowed, limit);
   }
-  if (must_stop()) return loss_[number];
-  if (best < kInfinity) {
-    loss_[number] = best;
-    exact_[number] = 1;
-  } else {
-    loss_[number] = std::max({loss_[number], next, std::nextafter(limit, kInfinity)});
-    if (next == kInfinity) exact_[number] = 1;
-  }
-  return loss_[number];
+  return settled_loss(number, limit, best, next);
 }
 
 /// Lists and keeps the cuts of a piece whose own loss is within what any plan worth looking at may
