@@ -1,11 +1,13 @@
 #include "orasp/bounds/wide_bound.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "orasp/bounds/bound_kinds.h"
+#include "orasp/bounds/cover_prices.h"
 #include "orasp/model/detail/rules.h"
 #include "orasp/model/tolerance.h"
 
@@ -149,31 +151,96 @@ void WideBound::set_steps(const TransitionSystem& system) {
   double most = 0;
   for (const WeightedTerm& addend : rules.terms) {
     if (addend.weight == 0 || addend.term->sees.looks_back) continue;
-    RangeQuestion question{.most_before = static_cast<double>(connections)};
-    const auto greatest = [&] {
-      const RewardRange range = range_of(addend, question);
-      return addend.weight * (addend.weight > 0 ? range.greatest : range.least);
-    };
+    const double inside = most_inside(addend);
+    most += inside;
     if (const SizeCosts* const costs = addend.term->size_costs()) {
-      // A step may leave more than two pieces.
-      double pieces = 0;
-      for (const double cost : costs->costs) pieces = std::max(pieces, 0.0 - addend.weight * cost);
-      const double inside =
-          0.0 - addend.weight * costs->base + pieces * static_cast<double>(problem.num_parts());
-      most += inside;
       completing += addend.weight * costs->last[1] - inside;
       continue;
     }
-    const double inside = greatest();
-    question.completes = true;
-    most += inside;
-    completing += greatest() - inside;
+    completing +=
+        greatest_of(addend, {.most_before = static_cast<double>(connections), .completes = true}) -
+        inside;
     for (ConnectionIndex c = 0; c < connections; ++c)
       greatest_[c] += addend.weight * addend.term->by_second() * problem.connections()[c].duration;
   }
   known_ = std::isfinite(most) && std::isfinite(completing);
   most_of_step_ = most;
   last_surplus_ = completing;
+  if (known_ && (rules.max_moved_parts == 1 || rules.grounded)) set_single_moves();
+}
+
+// Prices what each step takes, where that is a single part, if no part earns by its move.
+void WideBound::set_single_moves() {
+  const detail::Rules& rules = system_.rules();
+  const Problem& problem = system_.problem();
+  std::vector<double> cost(problem.num_parts());
+  for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+    cost[part] = problem.in_base(part) ? kInfinity : 0.0 - most_of_moving(part);
+    if (cost[part] < 0) return;
+  }
+  if (rules.grounded && !rules.has_goal && rules.num_kept == 0) {
+    // Nothing but the base is left alone by others.
+    cost_of_move_ = std::move(cost);
+    return;
+  }
+  std::vector<ConnectionIndex> connections;
+  std::vector<std::array<PartIndex, 2>> edges;
+  for_each_connection(system_.start().view(), [&](ConnectionIndex c) {
+    if (!contains(must_, c)) return;
+    connections.push_back(c);
+    edges.push_back({problem.ends(c)[0], problem.ends(c)[1]});
+  });
+  price_.assign(problem.num_connections(), 0.0);
+  const std::vector<double> prices = cover_prices(cost, edges);
+  for (std::size_t i = 0; i < edges.size(); ++i) price_[connections[i]] = prices[i];
+}
+
+// The most that a step earns which moves `part` alone, beyond what it earns by the second.
+double WideBound::most_of_moving(PartIndex part) const {
+  const detail::Rules& rules = system_.rules();
+  const Problem& problem = system_.problem();
+  const std::array<PartIndex, 1> moved{part};
+  double sum = 0;
+  for (const WeightedTerm& addend : rules.terms) {
+    const ObjectiveTerm& term = *addend.term;
+    if (addend.weight == 0 || term.sees.looks_back) continue;
+    const double inside = most_inside(addend);
+    if (!term.sees.piece_only || term.size_costs() != nullptr) {
+      sum += inside;
+      continue;
+    }
+    detail::StepPieces pieces{.totals = rules.totals, .a = {{moved, {}}}, .b = {}};
+    // What the connections earn by themselves, which is more than their seconds only if it is
+    // counted here.
+    double own = 0;
+    for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+      detail::StepFacts facts;
+      facts.connection = c;
+      const double rest = addend.weight * (term.reward(facts, {}, pieces) -
+                                           term.by_second() * problem.connections()[c].duration);
+      own += std::max(0.0, rest);
+    }
+    sum += std::min(inside, own + term.greatest_gain_of_moving(addend.weight, pieces));
+  }
+  return sum;
+}
+
+double WideBound::greatest_of(const WeightedTerm& addend, const RangeQuestion& question) const {
+  const RewardRange range = range_of(addend, question);
+  return addend.weight * (addend.weight > 0 ? range.greatest : range.least);
+}
+
+// The most that a step of several connections earns by a term that does not complete, beyond what
+// it earns by the second.
+double WideBound::most_inside(const WeightedTerm& addend) const {
+  if (const SizeCosts* const costs = addend.term->size_costs()) {
+    // A step may leave more than two pieces.
+    double pieces = 0;
+    for (const double cost : costs->costs) pieces = std::max(pieces, 0.0 - addend.weight * cost);
+    return 0.0 - addend.weight * costs->base +
+           pieces * static_cast<double>(system_.problem().num_parts());
+  }
+  return greatest_of(addend, {.most_before = static_cast<double>(system_.num_connections())});
 }
 
 // What a step earns by a term: its range, or, of a formula, what that yields whatever else holds.
@@ -365,10 +432,39 @@ double WideBound::of_steps(SetView open) {
     const auto steps =
         static_cast<double>(rules.making ? (pieces > 0 ? pieces - 1 : 0) : parts - pieces);
     const double least_steps = any_must ? 1 : 0;
-    sum += most_of_step_ > 0 ? most_of_step_ * std::max(steps, least_steps)
-                             : most_of_step_ * least_steps;
+    if (!cost_of_move_.empty() || !price_.empty()) {
+      priced_moves_ = least_of_moves(open);
+      sum -= priced_moves_;
+    } else {
+      sum += most_of_step_ > 0 ? most_of_step_ * std::max(steps, least_steps)
+                               : most_of_step_ * least_steps;
+    }
   }
   return sum + (may_stop_ ? std::max(0.0, last_surplus_) : last_surplus_);
+}
+
+// What the single parts that must still move cost at least.
+double WideBound::least_of_moves(SetView open) {
+  const Problem& problem = system_.problem();
+  double sum = 0;
+  if (cost_of_move_.empty()) {
+    for_each_connection(open, [&](ConnectionIndex c) { sum += price_[c]; });
+    return sum;
+  }
+  // Each part that is not the base's moves: away, while something still holds it, or here, while
+  // nothing does.
+  moves_.assign(problem.num_parts(), 0);
+  const auto mark = [&](SetView connections, unsigned char value) {
+    for_each_connection(connections, [&](ConnectionIndex c) {
+      for (const PartIndex part : problem.ends(c)) moves_[part] = value;
+    });
+  };
+  mark(open, 1);
+  if (system_.rules().making) mark(system_.present(open).view(), 0);
+  for (PartIndex part = 0; part < problem.num_parts(); ++part) {
+    if (moves_[part] != 0 && !problem.in_base(part)) sum += cost_of_move_[part];
+  }
+  return sum;
 }
 
 double WideBound::of_changes(const Changes& changes, SetView state) const {

@@ -22,6 +22,10 @@ namespace orasp {
 ///               Where steps handle one connection and a formula falls along a line in `elapsed`,
 ///               what must still be handled comes at best in the order of Smith's rule, from the
 ///               time on that has passed; whatever else is handled only makes it later.
+///             * Where each step takes a single part, what moving it costs is counted by part. If
+///               all but the base has to come off a base, each other part moves once. Else one end
+///               of each connection does: connections share what their ends cost, so that none is
+///               charged more than a move (cover_prices).
 ///             * `changeover`: each value of an attribute that must still come is entered at least
 ///               once. The cheapest way to enter all of them, from the one in force, is worked out
 ///               for every set of up to kMostValues values (Held and Karp 1962); beyond, each is
@@ -51,6 +55,9 @@ class WideBound {
   [[nodiscard]] bool known() const { return known_; }
   /// The most that a plan can still earn from a state on.
   [[nodiscard]] double operator()(SetView state);
+  /// What moves of single parts cost of that, for the state that was asked last. Prices are set at
+  /// the start; an order of states without them sees other plans.
+  [[nodiscard]] double priced_moves() const { return priced_moves_; }
 
  private:
   struct Changes;
@@ -60,6 +67,11 @@ class WideBound {
   [[nodiscard]] bool add_line_of_seconds(const WeightedTerm& addend);
   [[nodiscard]] RewardRange range_of(const WeightedTerm& addend,
                                      const RangeQuestion& question) const;
+  void set_single_moves();
+  [[nodiscard]] double most_of_moving(PartIndex part) const;
+  [[nodiscard]] double greatest_of(const WeightedTerm& addend, const RangeQuestion& question) const;
+  [[nodiscard]] double most_inside(const WeightedTerm& addend) const;
+  [[nodiscard]] double least_of_moves(SetView open);
   [[nodiscard]] double of_steps(SetView open);
   [[nodiscard]] double of_changes(const Changes& changes, SetView state) const;
   [[nodiscard]] double of_way(const Way& way, SetView state);
@@ -79,6 +91,10 @@ class WideBound {
   std::vector<double> greatest_;
   double last_surplus_ = 0;
   double most_of_step_ = 0;
+  /// Where each step takes a single part: what its move costs at least, by part; or what each
+  /// connection is charged of it. Both empty where steps take more, or may earn by moving.
+  std::vector<double> cost_of_move_;
+  std::vector<double> price_;
   bool by_part_ = false;
   bool may_stop_ = false;
   /// What terms earn that go along lines in seconds: by connection, at the start of time and for
@@ -93,6 +109,8 @@ class WideBound {
   std::vector<Changes> changes_;
   std::vector<Way> ways_;
   // Scratch.
+  double priced_moves_ = 0;
+  std::vector<unsigned char> moves_;  ///< by part: whether it is still to move
   std::vector<std::uint32_t> places_;
   std::vector<double> distance_;
   std::vector<std::uint32_t> nearest_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -294,6 +295,12 @@ class PathSearch {
 
 const auto kNoRest = [](SetView) { return 0.0; };
 
+/// A uniform shuffle (Fisher and Yates 1938; Durstenfeld 1964).
+void shuffle(std::span<Untried> actions, SplitMix64& random) {
+  for (std::size_t left = actions.size(); left > 1; --left)
+    std::swap(actions[left - 1], actions[random.below(left)]);
+}
+
 }  // namespace
 
 Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
@@ -431,41 +438,73 @@ Result wide_exhaustive(const TransitionSystem& system, const Budget& budget) {
 namespace {
 
 /// Some plan, depth first with a memory of states from which everything failed.
+///
+/// Idea.       What comes first may lead where no end is, and the step that did the harm is then far
+///             back: going through all that follows it may take longer than anybody waits. So
+///             the search begins again after a while, with another order of the steps, and for
+///             twice as long each time all orders had their turn: `order`, the steps as they are
+///             listed, and a random one (Gomes, Selman and Kautz 1998, Boosting combinatorial search through
+///             randomization). What is known to fail stays known.
+/// Guarantee.  Complete, since turns grow: that nothing is left to be tried is a proof.
 template <class Rest, class Order>
 Result some_plan(const TransitionSystem& system, const Budget& budget, std::string_view method,
                  Rest&& rest, Order&& order) {
   constexpr std::uint64_t kPollEvery = 64;
+  constexpr std::uint64_t kOrders = 3;
+  constexpr std::uint64_t kLeastTurn = 256;
   if (auto result = infeasible_at_once(system, method)) return *result;
   const Stopwatch watch;
   Result result;
   result.method = method;
   Statistics& statistics = result.statistics;
-  PathSearch search(system, budget);
+  std::optional<PathSearch> path(std::in_place, system, budget);
   StateTable<0> failed(system.words());
+  std::uint64_t turn = 0;
+  std::uint64_t turn_ends = 0;  // at so many expansions
+  SplitMix64 random(0);
+  const auto in_turn = [&](std::span<Untried> actions) {
+    if (turn % kOrders == 0)
+      order(actions);
+    else if (turn % kOrders == 1)
+      std::ranges::reverse(actions);
+    else
+      shuffle(actions, random);
+  };
   const auto arrive = [&] {
-    search.enter(rest, order, result.stop);
+    path->enter(rest, in_turn, result.stop);
     ++statistics.expanded;
   };
-  arrive();
+  const auto begin_turn = [&] {
+    const std::uint64_t whole_path = kLeastTurn + 4 * system.num_steps();
+    turn_ends = statistics.expanded + (whole_path << std::min<std::uint64_t>(turn / kOrders, 32));
+    path.emplace(system, budget);
+    arrive();
+  };
+  begin_turn();
   if (result.stop == Stop::None) result.stop = budget.expired(0, statistics.expanded);
-  while (!search.over() && result.stop == Stop::None && !search.at_end()) {
-    if (search.all_tried()) {
-      failed.insert(search.state().data());
-      search.leave();
+  while (!path->over() && result.stop == Stop::None && !path->at_end()) {
+    if (path->all_tried()) {
+      failed.insert(path->state().data());
+      path->leave();
       continue;
     }
-    const Untried action = search.take();
-    if (failed.find(search.successor(action).data()) != StateTable<0>::kAbsent) {
+    const Untried action = path->take();
+    if (failed.find(path->successor(action).data()) != StateTable<0>::kAbsent) {
       ++statistics.pruned;
       continue;
     }
-    search.follow(action);
+    path->follow(action);
     ++statistics.generated;
     arrive();
     if (result.stop != Stop::None) break;
     if (statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery)
-      result.stop = budget.expired(failed.bytes() + search.bytes(), statistics.expanded);
+      result.stop = budget.expired(failed.bytes() + path->bytes(), statistics.expanded);
+    if (statistics.expanded >= turn_ends && !path->at_end() && result.stop == Stop::None) {
+      ++turn;
+      begin_turn();
+    }
   }
+  const PathSearch& search = *path;
   statistics.states = failed.size();
   statistics.peak_bytes = failed.bytes() + search.bytes();
   if (!search.over() && search.at_end()) {
@@ -561,12 +600,9 @@ Result wide_greedy(const TransitionSystem& system, const Budget& budget) {
 }
 
 Result wide_random(const TransitionSystem& system, std::uint64_t seed, const Budget& budget) {
-  // A uniform shuffle (Fisher and Yates 1938; Durstenfeld 1964).
   SplitMix64 random(seed);
-  Result result = some_plan(system, budget, "random", kNoRest, [&](std::span<Untried> actions) {
-    for (std::size_t left = actions.size(); left > 1; --left)
-      std::swap(actions[left - 1], actions[random.below(left)]);
-  });
+  Result result = some_plan(system, budget, "random", kNoRest,
+                            [&](std::span<Untried> actions) { shuffle(actions, random); });
   result = or_quick_plan(system, std::move(result));
   result.seed = seed;
   return result;
@@ -614,11 +650,14 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
   Words next(words);
   struct Node {
     double promise;
+    double rank;  ///< the greatest stay
     std::uint32_t state;
   };
   result.stop = budget.expired();
   double proved = all;
+  bool priced = true;  // whether states are ordered by what moves are priced at
   for (std::size_t width = kFirstWidth; result.stop == Stop::None; width *= 2) {
+    priced = !priced;
     StateTable<0> table(words);
     GrowingArray<double> reward;
     GrowingArray<std::uint32_t> parent;
@@ -634,7 +673,7 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
       if (is_new) {
         reward.push_back(running);
         parent.push_back(from);
-        layers[count(system.open(state))].push_back({promise, number});
+        layers[count(system.open(state))].push_back({promise, promise, number});
       } else if (running > reward[number] + rounding_of(system, running)) {
         reward[number] = running;
         parent[number] = from;
@@ -650,10 +689,11 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
       for (Node& node : layer) {
         std::copy_n(table.key(node.state), words, key.begin());
         node.promise = reward[node.state] + bound(key);
+        node.rank = node.promise + (priced ? 0.0 : bound.priced_moves());
       }
       if (layer.size() > width) {
         std::ranges::nth_element(layer, layer.begin() + static_cast<std::ptrdiff_t>(width),
-                                 std::ranges::greater{}, &Node::promise);
+                                 std::ranges::greater{}, &Node::rank);
         for (std::size_t i = width; i < layer.size(); ++i)
           dropped = std::max(dropped, layer[i].promise);
         layer.resize(width);
@@ -746,15 +786,17 @@ Result by_few_moves(const TransitionSystem& system, bool bounded, const Budget& 
 /// A plan of an assembly that is found from its end, where more is known about what is still to
 /// come. That there is none, or how good it is, is not said: where steps take parts off, what they
 /// earn may depend on the way in which they are walked.
-Result plan_from_the_end(const TransitionSystem& system, const Budget& budget) {
+/// `many`: has_many_moves(system), so that little is to be hoped for from the beginning.
+Result plan_from_the_end(const TransitionSystem& system, bool many, const Budget& budget) {
   Budget part = budget;
   const auto now = Budget::Clock::now();
-  if (budget.deadline) part.deadline = now + (*budget.deadline - now) / 4;
+  if (budget.deadline) part.deadline = now + (*budget.deadline - now) * (many ? 3 : 1) / 4;
   const TransitionSystem backwards = system.backwards();
   const bool bounded = WideBound(backwards).known();
   Result found = by_few_moves(backwards, bounded, part);
   if (bounded && !has_many_moves(backwards)) {
-    part.max_expansions = std::min(part.max_expansions, expansions_at_first(system, 3e8));
+    if (!budget.deadline)
+      part.max_expansions = std::min(part.max_expansions, expansions_at_first(system, 3e8));
     Result better = wide_beam(backwards, found.has_plan() ? &found : nullptr, part);
     if (better.has_plan()) found = std::move(better);
   }
@@ -809,7 +851,7 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
       if (found.status == Status::Optimal || found.status == Status::Infeasible)
         return answer(std::move(found), why_pieces);
     }
-    turned = plan_from_the_end(system, budget);
+    turned = plan_from_the_end(system, many, budget);
   }
   const auto better_of = [&turned](Result plan) {
     if (!turned.has_plan() || plan.reward >= turned.reward) return plan;
@@ -829,7 +871,11 @@ Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   // A plan that meets the bound ends it at once.
   const bool large = !many && system.rules().by_part && system.problem().num_parts() > kManyParts;
   Result plan = large ? plan_of_few_moves(system, budget) : Result();
-  if (!plan.has_plan()) plan = wide_guided_greedy(system, budget);
+  if (!plan.has_plan()) {
+    Budget look = budget;
+    look.max_expansions = std::min(budget.max_expansions, expansions_at_first(system, 3e9));
+    plan = wide_guided_greedy(system, look);
+  }
   if (plan.status != Status::Infeasible) plan = better_of(std::move(plan));
   if (plan.status == Status::Infeasible)
     return answer(std::move(plan), "all orders were looked at");
