@@ -19,6 +19,7 @@
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/and_or.h"
+#include "orasp/planners/detail/grounded_outlook.h"
 #include "orasp/planners/detail/part_trees.h"
 #include "orasp/planners/planner_support.h"
 #include "orasp/planners/value_iteration.h"
@@ -137,6 +138,7 @@ Result wide_a_star(const TransitionSystem& system, const Budget& budget) {
            heap.capacity() * sizeof(Open);
   };
   meet(system.start_state().data(), 0, 0);
+  GroundedOutlook outlook(system);
   Words key(words);
   Words next(words);
   result.stop = budget.expired();
@@ -152,6 +154,7 @@ Result wide_a_star(const TransitionSystem& system, const Budget& budget) {
       result.bound = result.reward;
       break;
     }
+    if (outlook.applies() && outlook.is_shut(system.open(key))) continue;
     if (++statistics.expanded % kPollEvery == 0 || budget.max_expansions < kPollEvery) {
       result.stop =
           bytes() > allowed ? Stop::MemoryLimit : budget.expired(bytes(), statistics.expanded);
@@ -327,6 +330,7 @@ Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, cons
     ++statistics.reopened;
     return true;
   };
+  GroundedOutlook outlook(system);
   const auto rest = [&](SetView state) { return bound(state); };
   const auto order = [](std::span<Untried> actions) {
     std::ranges::stable_sort(actions, [](const Untried& a, const Untried& b) {
@@ -352,8 +356,9 @@ Result wide_depth_first(const TransitionSystem& system, std::uint64_t seed, cons
     const Untried action = search.take();
     ++statistics.generated;
     const double running = search.running() + action.reward;
-    if (running + action.rest <= result.reward + kRewardTolerance ||
-        !meet(search.successor(action), running)) {
+    const SetView next = search.successor(action);
+    if (running + action.rest <= result.reward + kRewardTolerance || !meet(next, running) ||
+        (outlook.applies() && outlook.is_shut(system.open(next)))) {
       ++statistics.pruned;
       continue;
     }
@@ -439,12 +444,13 @@ namespace {
 
 /// Some plan, depth first with a memory of states from which everything failed.
 ///
-/// Idea.       What comes first may lead where no end is, and the step that did the harm is then far
-///             back: going through all that follows it may take longer than anybody waits. So
-///             the search begins again after a while, with another order of the steps, and for
+/// Idea.       What comes first may lead where no end is, and the step that did the harm is then
+///             far back: going through all that follows it may take longer than anybody waits.
+///             So the search begins again after a while, with another order of the steps, and for
 ///             twice as long each time all orders had their turn: `order`, the steps as they are
-///             listed, and a random one (Gomes, Selman and Kautz 1998, Boosting combinatorial search through
-///             randomization). What is known to fail stays known.
+///             listed, and a random one (Gomes, Selman and Kautz 1998, Boosting combinatorial
+///             search through randomization). What is known to fail stays known, and where all
+///             comes off a base (GroundedOutlook) it is mostly known at once.
 /// Guarantee.  Complete, since turns grow: that nothing is left to be tried is a proof.
 template <class Rest, class Order>
 Result some_plan(const TransitionSystem& system, const Budget& budget, std::string_view method,
@@ -459,6 +465,7 @@ Result some_plan(const TransitionSystem& system, const Budget& budget, std::stri
   Statistics& statistics = result.statistics;
   std::optional<PathSearch> path(std::in_place, system, budget);
   StateTable<0> failed(system.words());
+  GroundedOutlook outlook(system);
   std::uint64_t turn = 0;
   std::uint64_t turn_ends = 0;  // at so many expansions
   SplitMix64 random(0);
@@ -489,7 +496,10 @@ Result some_plan(const TransitionSystem& system, const Budget& budget, std::stri
       continue;
     }
     const Untried action = path->take();
-    if (failed.find(path->successor(action).data()) != StateTable<0>::kAbsent) {
+    const SetView next = path->successor(action);
+    const bool fails = failed.find(next.data()) != StateTable<0>::kAbsent;
+    if (fails || (outlook.applies() && outlook.is_shut(system.open(next)))) {
+      if (!fails) failed.insert(next.data());
       ++statistics.pruned;
       continue;
     }
@@ -655,6 +665,7 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
   };
   result.stop = budget.expired();
   double proved = all;
+  GroundedOutlook outlook(system);
   bool priced = true;  // whether states are ordered by what moves are priced at
   for (std::size_t width = kFirstWidth; result.stop == Stop::None; width *= 2) {
     priced = !priced;
@@ -700,6 +711,7 @@ Result wide_beam(const TransitionSystem& system, const Result* incumbent, const 
       }
       for (const Node& node : layer) {
         std::copy_n(table.key(node.state), words, key.begin());
+        if (outlook.applies() && outlook.is_shut(system.open(key))) continue;
         const std::span<const Action> actions = listed(expander, key, listing, result.stop);
         if (result.stop != Stop::None) break;
         for (const Action& action : actions) {
