@@ -11,10 +11,10 @@ namespace orasp::detail {
 /// Whether what is left still comes off a base part by part (limits.grounded, one base part).
 ///
 /// Idea.       What hangs on the base by one part alone has to go before that part, now and for
-///             ever, since joints only grow fewer. And a part leaves along a direction only when all
-///             that stands in its way there is gone. So parts are taken away that nothing hangs on
-///             and whose way is free, as if none of them ever were in the wrong order; what is left
-///             in the end never comes off: its parts wait for each other.
+///             ever, since joints only grow fewer. And a part leaves along a direction only when
+///             all that stands in its way there is gone. So parts are taken away that nothing hangs
+///             on and whose way is free, as if none of them were ever in the wrong order; what is
+///             left in the end never comes off: its parts wait for each other.
 /// Guarantee.  That the way is shut is a proof; that it is open is none, since a part that goes in
 ///             front of another may leave it hanging on what it blocks.
 /// Cost.       O(parts + connections + rounds * facts) a state; rounds are few.
