@@ -70,7 +70,7 @@ OBJECTIVES = "src/orasp/model/objectives/"
 # A sum may be walked anywhere, and those of a fleet are worked out by whoever plans for it.
 ASKED_ANYWHERE = {"WeightedSum", "Makespan", "FleetTravel"}
 # The check of certificates shares no formula with anyone, so it has its own of those objectives that it knows; of others it proves nothing.
-KNOWS_OBJECTIVES = {"src/orasp/certificate/detail/size_rewards.cpp"}
+KNOWS_OBJECTIVES = {"src/orasp/certificate/detail/size_rewards.cpp", "src/orasp/certificate/detail/place_rewards.cpp"}
 
 
 def objective_structs():

@@ -16,6 +16,7 @@
 
 #include "orasp/catalogue.h"
 #include "orasp/io/certificate_json.h"
+#include "orasp/io/formula_parser.h"
 #include "orasp/io/scenarios.h"
 #include "orasp/model/plan_check.h"
 #include "orasp/model/random.h"
@@ -82,7 +83,7 @@ TEST(CertificateTest, EveryAnswerToARandomProblemIsCertified) {
   for (const Direction direction : {Direction::Disassembly, Direction::Assembly}) {
     EXPECT_GE((met[{Certificate::Kind::Sizes, direction}]), least_of(10));
     EXPECT_GE((met[{Certificate::Kind::Pieces, direction}]), least_of(1));
-    EXPECT_GE((met[{Certificate::Kind::States, direction}]), least_of(50));
+    EXPECT_GE((met[{Certificate::Kind::States, direction}]), least_of(40));
     EXPECT_GE((met[{Certificate::Kind::Waits, direction}]), least_of(10));
     EXPECT_GE((met[{Certificate::Kind::Locked, direction}]), least_of(1));
   }
@@ -189,6 +190,17 @@ bool damage(Certificate& certificate, SplitMix64& random) {
         certificate.prices.erase(certificate.prices.begin() + static_cast<std::ptrdiff_t>(at));
       } else {
         certificate.prices[at] = other(certificate.prices[at]);
+      }
+      return true;
+    }
+    case Certificate::Kind::Places: {
+      std::vector<double>& numbers =
+          random.below(2) == 0 ? certificate.connections : certificate.places;
+      const std::size_t at = random.below(numbers.size());
+      if (random.below(4) == 0) {
+        numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(at));
+      } else {
+        numbers[at] = random.below(8) == 0 ? -kInfinity : other(numbers[at]);
       }
       return true;
     }
@@ -434,6 +446,80 @@ TEST(CertificateTest, PricesProveWhatDifferentMassesTake) {
   for (const Direction direction : {Direction::Disassembly, Direction::Assembly})
     EXPECT_GE(tight[direction], least_of(40));
   EXPECT_GE(with_base, least_of(50));
+  EXPECT_GE(refused, least_of(500));
+}
+
+/// Objectives that the connection and its place tell, alone and in a sum, and some that see more.
+TEST(CertificateTest, PlacesProveWhatTheOrderTells) {
+  std::map<Direction, int> tight;
+  int refused = 0;
+  int others = 0;
+  for (std::uint64_t seed = 0; seed < some_of(kSeeds); ++seed) {
+    ProblemSpec spec = problem_of_pieces(seed);
+    spec.direction = seed % 2 == 0 ? Direction::Disassembly : Direction::Assembly;
+    if (seed % 3 == 0) spec.blocking.reset();
+    if (seed % 3 == 0) spec.limits = {};
+    SplitMix64 random(seed ^ 0x706c616365ULL);
+    for (Connection& connection : spec.connections) {
+      connection.duration = static_cast<double>(random.below(5));
+      connection.numbers["worth"] = random.uniform();
+    }
+    const auto formula = [](const char* text) {
+      return Objective{"expression", Expression{.formula = text, .compiler = compile_formula}};
+    };
+    const bool sees_more = seed % 8 == 7;
+    spec.objective = seed % 4 == 0   ? Objective::named("indexed")
+                     : seed % 4 == 1 ? formula("-duration*before + worth*completes")
+                     : sees_more     ? formula("-before*moved_mass")
+                                     : formula("3*worth*after - index*before");
+    if (seed % 5 == 0)
+      spec.objective = {
+          "sum", WeightedSum{.terms = {{-0.5, spec.objective}, {2, Objective::named("indexed")}}}};
+    SCOPED_TRACE(seed);
+    const Problem problem(spec);
+    const oracle::WideResult truth = oracle::wide_brute_force(spec);
+    const auto is_true = [&](double bound) {
+      return !truth.best || bound >= *truth.best - reward_tolerance(*truth.best);
+    };
+    // The cheapest proof of anything, tight or not.
+    const Certified any = make_certificate(problem, kInfinity, 0);
+    ASSERT_TRUE(any.certificate) << any.reason;
+    EXPECT_TRUE(is_true(any.certificate->bound)) << any.certificate->bound;
+    if (any.certificate->kind != Certificate::Kind::Places) {
+      ++others;
+      Certificate wrong = *any.certificate;
+      wrong.kind = Certificate::Kind::Places;
+      EXPECT_FALSE(check_certificate(problem, wrong).holds);
+      continue;
+    }
+    EXPECT_FALSE(sees_more);
+    const Certificate certificate =
+        parse_certificate(problem, certificate_text(problem, *any.certificate));
+    EXPECT_TRUE(check_certificate(problem, certificate).holds);
+    if (truth.best && certificate.bound <= *truth.best + reward_tolerance(*truth.best)) {
+      ++tight[problem.direction()];
+      const Answer found = answer(problem);
+      EXPECT_TRUE(check_optimality(problem, found.result.sequence, certificate).proved);
+    }
+    Certificate lower = certificate;
+    lower.bound = std::nextafter(lower.bound, -kInfinity);
+    EXPECT_FALSE(check_certificate(problem, lower).holds);
+    for (int i = 0; i < 6; ++i) {
+      Certificate damaged = certificate;
+      if (!damage(damaged, random)) continue;
+      const CertificateCheck check = check_certificate(problem, damaged);
+      refused += check.holds ? 0 : 1;
+      if (check.holds) {
+        EXPECT_TRUE(is_true(damaged.bound)) << certificate_text(problem, damaged);
+      } else {
+        EXPECT_FALSE(check.fault.empty());
+      }
+    }
+    if (HasFailure()) return;
+  }
+  for (const Direction direction : {Direction::Disassembly, Direction::Assembly})
+    EXPECT_GE(tight[direction], least_of(40));
+  EXPECT_GE(others, least_of(20));
   EXPECT_GE(refused, least_of(500));
 }
 

@@ -7,6 +7,7 @@
 #include "orasp/certificate/detail/earned.h"
 #include "orasp/certificate/detail/outward.h"
 #include "orasp/certificate/detail/piece_proof.h"
+#include "orasp/certificate/detail/place_rewards.h"
 #include "orasp/certificate/detail/removals.h"
 #include "orasp/certificate/detail/size_rewards.h"
 #include "orasp/model/plan_check.h"
@@ -42,6 +43,20 @@ std::optional<Certificate> by_sizes(const Problem& problem, bool prices = false)
         g[n] = std::max(g[n], add_up(rewards.cut(first, n - first), add_up(g[a], g[n - a])));
     }
   }
+  return certificate;
+}
+
+/// Prices of connections and places, where these tell what steps earn.
+std::optional<Certificate> by_places(const Problem& problem) {
+  if (problem.num_connections() > detail::kMostCertifiedPlaces) return std::nullopt;
+  const detail::PlaceRewards rewards(problem);
+  if (!rewards.known()) return std::nullopt;
+  detail::PlaceProof proof = detail::prove_by_places(rewards, problem.num_connections());
+  if (proof.connections.empty()) return std::nullopt;
+  Certificate certificate;
+  certificate.kind = Certificate::Kind::Places;
+  certificate.connections = std::move(proof.connections);
+  certificate.places = std::move(proof.places);
   return certificate;
 }
 
@@ -188,6 +203,7 @@ Certified make_certificate(const Problem& problem, std::optional<double> reward,
   auto sizes = by_sizes(problem);
   if (sizes && proves(*sizes)) return {sizes, {}};
   if (auto found = by_sizes(problem, true); found && proves(*found)) return {found, {}};
+  if (auto found = by_places(problem); found && proves(*found)) return {found, {}};
   if (auto& found = sizes) {
     const detail::SizeRewards rewards(problem);
     // What is missing is told by the reward itself, so that the bound is no looser than it must be.

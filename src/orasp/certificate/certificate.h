@@ -21,6 +21,7 @@ struct Certificate {
   enum class Kind {
     Sizes,   ///< what the cuts of a piece of n parts gain at most
     Prices,  ///< what a cut gains at most that moves a part, beside Sizes
+    Places,  ///< what a connection earns at most, and what a place in the order does
     Pieces,  ///< what the cuts of a piece of these very parts gain at most, beside Sizes
     States,  ///< what is still to be earned at most from each state that can be reached
     Waits,   ///< connections each of which waits for another of them: there is no plan
@@ -45,6 +46,9 @@ struct Certificate {
   std::vector<double> sizes{};
   /// Prices: by part, 0 or less; 0 of a base part.
   std::vector<double> prices{};
+  /// Places: by connection, and by how many are removed before.
+  std::vector<double> connections{};
+  std::vector<double> places{};
   /// Pieces: those that are worth less than their size.
   std::vector<Piece> pieces{};
   /// States: by number of connections removed, from 0.
@@ -57,7 +61,7 @@ struct Certificate {
   std::array<PartIndex, 2> locked{};
 };
 
-/// "sizes", "prices", "pieces", "states", "waits", "locked".
+/// "sizes", "prices", "places", "pieces", "states", "waits", "locked".
 [[nodiscard]] std::string_view kind_name(Certificate::Kind kind);
 
 /// Why there are no certificates for such a problem, in one sentence; empty where there are.
@@ -80,10 +84,11 @@ struct Certified {
 /// Looks for a certificate that no plan earns more than `reward` (nothing: that there is no plan),
 /// up to `tolerance`.
 /// Idea.      The cheapest first: sizes, for a plan; what waits for itself, locked parts and sizes,
-///            where there is none; then prices; then pieces, where at most so many are needed; then
-///            all states, where there are at most `most_states`.
+///            where there is none; then prices; then places; then pieces, where at most so many
+///            are needed; then all states, where there are at most `most_states`.
 /// Guarantee. check_certificate() finds nothing wrong with what is returned; it is asked before.
-/// Cost.      Sizes: O(parts^2). Pieces: exponential. States: their number * connections * parts.
+/// Cost.      Sizes: O(parts^2). Places: O(connections^3). Pieces: exponential. States: their
+///            number * connections * parts.
 /// Stop.      `stop` is asked now and then; when it says true there is no certificate.
 [[nodiscard]] Certified make_certificate(
     const Problem& problem, std::optional<double> reward, double tolerance,

@@ -10,6 +10,7 @@
 #include "orasp/certificate/detail/piece_bound.h"
 #include "orasp/certificate/detail/piece_cuts.h"
 #include "orasp/certificate/detail/piece_values.h"
+#include "orasp/certificate/detail/place_rewards.h"
 #include "orasp/certificate/detail/removals.h"
 #include "orasp/certificate/detail/size_rewards.h"
 #include "orasp/model/detail/wording.h"
@@ -24,7 +25,7 @@ using detail::PieceValues;
 using detail::Removals;
 using detail::SizeRewards;
 
-/// One check; each of the six returns a fault, or nothing and the bound that it has proved.
+/// One check; each of the seven returns a fault, or nothing and the bound that it has proved.
 class Checker {
  public:
   Checker(const Problem& problem, const Certificate& certificate)
@@ -56,6 +57,7 @@ class Checker {
     switch (certificate_.kind) {
       case Certificate::Kind::Sizes: return fault_of_sizes();
       case Certificate::Kind::Prices: return fault_of_prices();
+      case Certificate::Kind::Places: return fault_of_places();
       case Certificate::Kind::Pieces: return fault_of_pieces();
       case Certificate::Kind::States: return fault_of_states();
       case Certificate::Kind::Waits: return fault_of_waits();
@@ -67,6 +69,7 @@ class Checker {
   std::string fault_of_sizes();
   std::string fault_of_table(const SizeRewards& rewards);
   std::string fault_of_prices();
+  std::string fault_of_places();
   std::string fault_of_pieces();
   [[nodiscard]] std::string fault_of_names(const PieceValues& values) const;
   void prove_bound(const SizeRewards& rewards, const PieceValues& values);
@@ -169,6 +172,52 @@ std::string Checker::fault_of_prices() {
       if (part != last && proved_ > -kInfinity) proved_ = add_up(proved_, prices[part]);
     }
   }
+  return {};
+}
+
+// A number u(c) for each connection and v(k) for each place in the order. A plan gives each
+// connection a place of its own, so if
+//
+//     v(k) >= earned(c, k) - u(c)
+//
+// wherever c may have the place k, it earns no more than all u and v together. How many states a
+// plan has left to choose from does not matter, nor in which it makes a step.
+std::string Checker::fault_of_places() {
+  const detail::PlaceRewards rewards(problem_);
+  if (!rewards.known())
+    return "the objective is not told by connections and their places, and the kind \"places\" "
+           "proves nothing of it";
+  const std::size_t connections = problem_.num_connections();
+  const auto fault_of = [&](const char* key, const std::vector<double>& numbers) -> std::string {
+    if (numbers.size() != connections)
+      return std::string(key) + ": " + std::to_string(connections) + " numbers are wanted, and " +
+             std::to_string(numbers.size()) + " are there";
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (!std::isfinite(numbers[i]))
+        return std::string(key) + "[" + std::to_string(i) + "]: a number is wanted";
+    }
+    return {};
+  };
+  for (std::string fault : {fault_of("connections", certificate_.connections),
+                            fault_of("places", certificate_.places)}) {
+    if (!fault.empty()) return fault;
+  }
+  double sum = 0;
+  for (std::size_t place = 0; place < connections; ++place) {
+    for (ConnectionIndex c = 0; c < connections; ++c) {
+      if (!rewards.possible(c, place)) continue;
+      const double left = add_up(rewards.most(c, place), -certificate_.connections[c]);
+      ++inequalities_;
+      if (!(certificate_.places[place] >= left))
+        return "places[" + std::to_string(place) +
+               "]: " + detail::number_text(certificate_.places[place]) + " is less than what " +
+               detail::in_quotes(problem_.connection_id(c)) + " earns there beyond its own, " +
+               detail::number_text(left);
+    }
+    sum = add_up(sum, certificate_.places[place]);
+  }
+  for (const double own : certificate_.connections) sum = add_up(sum, own);
+  proved_ = sum;
   return {};
 }
 
@@ -385,6 +434,7 @@ std::string_view kind_name(Certificate::Kind kind) {
   switch (kind) {
     case Certificate::Kind::Sizes: return "sizes";
     case Certificate::Kind::Prices: return "prices";
+    case Certificate::Kind::Places: return "places";
     case Certificate::Kind::Pieces: return "pieces";
     case Certificate::Kind::States: return "states";
     case Certificate::Kind::Waits: return "waits";

@@ -28,8 +28,9 @@ using detail::number_or_null;
 constexpr std::string_view kCertificateFormat = "orasp-certificate/1";
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 constexpr std::array kKinds = {Certificate::Kind::Sizes,  Certificate::Kind::Prices,
-                               Certificate::Kind::Pieces, Certificate::Kind::States,
-                               Certificate::Kind::Waits,  Certificate::Kind::Locked};
+                               Certificate::Kind::Places, Certificate::Kind::Pieces,
+                               Certificate::Kind::States, Certificate::Kind::Waits,
+                               Certificate::Kind::Locked};
 
 /// A digit for four of `count` things, the first one for the first four; its lowest bit is the
 /// first.
@@ -71,10 +72,10 @@ class CertificateReader {
     const auto* const known =
         std::ranges::find_if(kKinds, [&](Certificate::Kind one) { return kind_name(one) == kind; });
     if (known == kKinds.end())
-      throw InputError(
-          fmt::format("kind: {} is none; kinds are \"sizes\", \"prices\", \"pieces\", \"states\", "
-                      "\"waits\" and \"locked\"",
-                      in_quotes(kind)));
+      throw InputError(fmt::format(
+          "kind: {} is none; kinds are \"sizes\", \"prices\", \"places\", \"pieces\", \"states\", "
+          "\"waits\" and \"locked\"",
+          in_quotes(kind)));
     certificate_.kind = *known;
     certificate_.bound = number(member("bound"), "bound");
     switch (certificate_.kind) {
@@ -82,6 +83,10 @@ class CertificateReader {
       case Certificate::Kind::Prices:
         certificate_.sizes = numbers("sizes");
         certificate_.prices = numbers("prices");
+        break;
+      case Certificate::Kind::Places:
+        certificate_.connections = numbers("connections");
+        certificate_.places = numbers("places");
         break;
       case Certificate::Kind::Pieces:
         certificate_.sizes = numbers("sizes");
@@ -271,6 +276,10 @@ std::string certificate_text(const Problem& problem, const Certificate& certific
     case Certificate::Kind::Prices:
       put_numbers("sizes", certificate.sizes);
       put_numbers("prices", certificate.prices);
+      break;
+    case Certificate::Kind::Places:
+      put_numbers("connections", certificate.connections);
+      put_numbers("places", certificate.places);
       break;
     case Certificate::Kind::Pieces: {
       put_numbers("sizes", certificate.sizes);
