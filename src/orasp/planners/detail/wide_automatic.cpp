@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -88,112 +90,159 @@ std::uint64_t pieces_worth_a_look(const TransitionSystem& system, bool many) {
   return has_many_moves(backwards) ? 0 : of_what_is_taken_apart(backwards);
 }
 
+/// One run of auto: each look either answers, or leaves what it found to the next one.
+class WideChoice {
+ public:
+  WideChoice(const TransitionSystem& system, const Budget& budget)
+      : system_(system),
+        budget_(budget),
+        many_(has_many_moves(system)),
+        pieces_(pieces_worth_a_look(system, many_)),
+        bounded_(WideBound(system).known()) {}
+
+  Result run() {
+    std::optional<Result> found = turned_round_first();
+    if (!found && many_) found = few_moves();
+    if (!found) found = some_plan();
+    if (!found && bounded_) found = best_first();
+    if (!found && pieces_ > 0) found = half_by_pieces();
+    if (!found) found = whole_graph_or_beam();
+    found->method = "auto";
+    found->statistics.seconds = watch_.seconds();
+    return *std::move(found);
+  }
+
+ private:
+  static Result answer(Result result, const std::string& how) {
+    result.notes.insert(result.notes.begin(), "auto: " + how);
+    return result;
+  }
+  static bool is_proof(const Result& result) {
+    return result.status == Status::Optimal || result.status == Status::Infeasible;
+  }
+  static Result by_the_piece(Result result) {
+    return answer(std::move(result), "and-or, since the objective sees the piece only");
+  }
+
+  /// Piece by piece, for so much of the time, and no more than so many pieces.
+  Result by_pieces(std::uint64_t pieces, int share) {
+    Budget look = budget_;
+    look.max_expansions = std::min(budget_.max_expansions, pieces);
+    const auto now = Budget::Clock::now();
+    if (budget_.deadline) look.deadline = now + (*budget_.deadline - now) / share;
+    return part_trees(system_, look);
+  }
+  [[nodiscard]] Result better_of(Result plan) const {
+    if (!turned_.has_plan() || plan.reward >= turned_.reward) return plan;
+    take_plan(turned_, plan);
+    plan.status = Status::Feasible;
+    return plan;
+  }
+  void add(Result found) {
+    if (found.bound) most_ = std::min(most_, *found.bound);
+    if (found.has_plan() && found.reward > plan_.reward) plan_ = std::move(found);
+  }
+
+  /// An assembly from its end.
+  std::optional<Result> turned_round_first() {
+    if (!turns_round(system_)) return std::nullopt;
+    constexpr std::uint64_t kFewPieces = 2'000;
+    if (pieces_ > 0) {
+      Result found = by_pieces(std::min(pieces_, kFewPieces), 4);
+      if (is_proof(found)) return by_the_piece(std::move(found));
+    }
+    turned_ = plan_from_the_end(system_, many_, budget_);
+    return std::nullopt;
+  }
+
+  std::optional<Result> few_moves() {
+    Result result = better_of(by_few_moves(system_, bounded_, budget_));
+    if (!result.has_plan()) return std::nullopt;
+    judge_by(result.bound, result);
+    return answer(std::move(result),
+                  "beam over steps that move few parts, since there are too many others");
+  }
+
+  /// A plan that meets the bound ends it at once.
+  std::optional<Result> some_plan() {
+    const bool large =
+        !many_ && system_.rules().by_part && system_.problem().num_parts() > kManyParts;
+    plan_ = large ? plan_of_few_moves(system_, budget_) : Result();
+    if (!plan_.has_plan()) {
+      Budget look = budget_;
+      look.max_expansions = std::min(budget_.max_expansions, expansions_at_first(system_, 3e9));
+      plan_ = wide_guided_greedy(system_, look);
+    }
+    if (plan_.status == Status::Infeasible)
+      return answer(std::move(plan_), "all orders were looked at");
+    plan_ = better_of(std::move(plan_));
+    if (!bounded_ || !plan_.has_plan() ||
+        !meets(plan_.reward, WideBound(system_)(system_.start_state())))
+      return std::nullopt;
+    judge_by(plan_.reward, plan_);
+    return answer(std::move(plan_), "the plan earns as much as the bound allows");
+  }
+
+  /// As long as that is quick.
+  std::optional<Result> best_first() {
+    Budget look = budget_;
+    constexpr std::uint64_t kFewest = 500;
+    const std::uint64_t few = pieces_ > 0 ? kFewest : expansions_at_first(system_, 3e8);
+    look.max_expansions = std::min(budget_.max_expansions, few);
+    Result found = wide_a_star(system_, look);
+    if (is_proof(found)) return answer(std::move(found), "a-star, since few states promise enough");
+    add(std::move(found));
+    return std::nullopt;
+  }
+
+  std::optional<Result> half_by_pieces() {
+    Result found = by_pieces(pieces_, 2);
+    if (is_proof(found)) return by_the_piece(std::move(found));
+    add(std::move(found));
+    if (!plan_.has_plan() || !meets(plan_.reward, most_)) return std::nullopt;
+    judge_by(most_, plan_);
+    return answer(std::move(plan_), "the plan earns as much as and-or allows");
+  }
+
+  Result whole_graph_or_beam() {
+    const GraphEstimate estimate = estimate_graph(system_, budget_);
+    const bool fits =
+        estimate.exact && estimate.bytes <= static_cast<double>(allowed_bytes(budget_));
+    const bool builds = fits || !bounded_;
+    Result result =
+        builds ? value_iteration(system_, {}, budget_) : wide_beam(system_, &plan_, budget_);
+    if (result.status == Status::Feasible || result.status == Status::Unknown) {
+      // It was stopped: what was found before may be better.
+      if (plan_.has_plan() && plan_.reward > result.reward) {
+        take_plan(plan_, result);
+        result.notes.clear();
+      }
+      most_ = std::min(most_, result.bound.value_or(kInfinity));
+      if (result.reward > -kInfinity)
+        judge_by(most_ < kInfinity ? std::optional(most_) : std::nullopt, result);
+    }
+    return answer(std::move(result),
+                  !builds ? "beam, since the state-action graph is too large to build"
+                  : fits  ? "value-iteration, since the state-action graph is small"
+                          : "value-iteration, since no bound is known for the objective");
+  }
+
+  const TransitionSystem& system_;
+  const Budget& budget_;
+  Stopwatch watch_;
+  bool many_;
+  std::uint64_t pieces_;
+  bool bounded_;
+  Result turned_;  ///< a plan of an assembly from its end; or none
+  Result plan_;    ///< the best one so far
+  double most_ = kInfinity;
+};
+
 }  // namespace
 
 Result wide_automatic(const TransitionSystem& system, const Budget& budget) {
   if (auto result = infeasible_at_once(system, "auto")) return *result;
-  const Stopwatch watch;
-  const auto answer = [&](Result result, const std::string& how) {
-    result.method = "auto";
-    result.notes.insert(result.notes.begin(), "auto: " + how);
-    result.statistics.seconds = watch.seconds();
-    return result;
-  };
-  double most = kInfinity;
-  // Piece by piece, for so much of the time, and no more than so many pieces.
-  const auto by_pieces = [&](std::uint64_t pieces, int share) {
-    Budget look = budget;
-    look.max_expansions = std::min(budget.max_expansions, pieces);
-    const auto now = Budget::Clock::now();
-    if (budget.deadline) look.deadline = now + (*budget.deadline - now) / share;
-    return part_trees(system, look);
-  };
-  const std::string why_pieces = "and-or, since the objective sees the piece only";
-  const bool many = has_many_moves(system);
-  const std::uint64_t pieces = pieces_worth_a_look(system, many);
-  Result turned;
-  if (turns_round(system)) {
-    constexpr std::uint64_t kFewPieces = 2'000;
-    if (pieces > 0) {
-      Result found = by_pieces(std::min(pieces, kFewPieces), 4);
-      if (found.status == Status::Optimal || found.status == Status::Infeasible)
-        return answer(std::move(found), why_pieces);
-    }
-    turned = plan_from_the_end(system, many, budget);
-  }
-  const auto better_of = [&turned](Result plan) {
-    if (!turned.has_plan() || plan.reward >= turned.reward) return plan;
-    take_plan(turned, plan);
-    plan.status = Status::Feasible;
-    return plan;
-  };
-  const bool bounded = WideBound(system).known();
-  if (many) {
-    Result result = better_of(by_few_moves(system, bounded, budget));
-    if (result.has_plan()) {
-      judge_by(result.bound, result);
-      return answer(std::move(result),
-                    "beam over steps that move few parts, since there are too many others");
-    }
-  }
-  // A plan that meets the bound ends it at once.
-  const bool large = !many && system.rules().by_part && system.problem().num_parts() > kManyParts;
-  Result plan = large ? plan_of_few_moves(system, budget) : Result();
-  if (!plan.has_plan()) {
-    Budget look = budget;
-    look.max_expansions = std::min(budget.max_expansions, expansions_at_first(system, 3e9));
-    plan = wide_guided_greedy(system, look);
-  }
-  if (plan.status != Status::Infeasible) plan = better_of(std::move(plan));
-  if (plan.status == Status::Infeasible)
-    return answer(std::move(plan), "all orders were looked at");
-  if (bounded && plan.has_plan() && meets(plan.reward, WideBound(system)(system.start_state()))) {
-    judge_by(plan.reward, plan);
-    return answer(std::move(plan), "the plan earns as much as the bound allows");
-  }
-  const auto add = [&](Result found) {
-    if (found.bound) most = std::min(most, *found.bound);
-    if (found.has_plan() && found.reward > plan.reward) plan = std::move(found);
-  };
-  // Best first, as long as that is quick.
-  if (bounded) {
-    Budget look = budget;
-    constexpr std::uint64_t kFewest = 500;
-    const std::uint64_t few = pieces > 0 ? kFewest : expansions_at_first(system, 3e8);
-    look.max_expansions = std::min(budget.max_expansions, few);
-    Result found = wide_a_star(system, look);
-    if (found.status == Status::Optimal || found.status == Status::Infeasible)
-      return answer(std::move(found), "a-star, since few states promise enough");
-    add(std::move(found));
-  }
-  if (pieces > 0) {
-    Result found = by_pieces(pieces, 2);
-    if (found.status == Status::Optimal || found.status == Status::Infeasible)
-      return answer(std::move(found), why_pieces);
-    add(std::move(found));
-    if (plan.has_plan() && meets(plan.reward, most)) {
-      judge_by(most, plan);
-      return answer(std::move(plan), "the plan earns as much as and-or allows");
-    }
-  }
-  const GraphEstimate estimate = estimate_graph(system, budget);
-  const bool fits = estimate.exact && estimate.bytes <= static_cast<double>(allowed_bytes(budget));
-  const bool builds = fits || !bounded;
-  Result result = builds ? value_iteration(system, {}, budget) : wide_beam(system, &plan, budget);
-  if (result.status == Status::Feasible || result.status == Status::Unknown) {
-    // It was stopped: what was found before may be better.
-    if (plan.has_plan() && plan.reward > result.reward) {
-      take_plan(plan, result);
-      result.notes.clear();
-    }
-    most = std::min(most, result.bound.value_or(kInfinity));
-    if (result.reward > -kInfinity)
-      judge_by(most < kInfinity ? std::optional(most) : std::nullopt, result);
-  }
-  return answer(std::move(result),
-                !builds ? "beam, since the state-action graph is too large to build"
-                : fits  ? "value-iteration, since the state-action graph is small"
-                        : "value-iteration, since no bound is known for the objective");
+  return WideChoice(system, budget).run();
 }
 
 }  // namespace orasp::detail
