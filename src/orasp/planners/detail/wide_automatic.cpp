@@ -152,7 +152,15 @@ class WideChoice {
       if (is_proof(found)) return by_the_piece(std::move(found));
     }
     turned_ = plan_from_the_end(system_, many_, budget_);
-    return std::nullopt;
+    return if_at_the_bound(turned_);
+  }
+  /// A plan that meets the bound ends it at once.
+  std::optional<Result> if_at_the_bound(Result plan) {
+    if (!bounded_ || !plan.has_plan() ||
+        !meets(plan.reward, WideBound(system_)(system_.start_state())))
+      return std::nullopt;
+    judge_by(plan.reward, plan);
+    return answer(std::move(plan), "the plan earns as much as the bound allows");
   }
 
   std::optional<Result> few_moves() {
@@ -163,7 +171,6 @@ class WideChoice {
                   "beam over steps that move few parts, since there are too many others");
   }
 
-  /// A plan that meets the bound ends it at once.
   std::optional<Result> some_plan() {
     const bool large =
         !many_ && system_.rules().by_part && system_.problem().num_parts() > kManyParts;
@@ -176,11 +183,7 @@ class WideChoice {
     if (plan_.status == Status::Infeasible)
       return answer(std::move(plan_), "all orders were looked at");
     plan_ = better_of(std::move(plan_));
-    if (!bounded_ || !plan_.has_plan() ||
-        !meets(plan_.reward, WideBound(system_)(system_.start_state())))
-      return std::nullopt;
-    judge_by(plan_.reward, plan_);
-    return answer(std::move(plan_), "the plan earns as much as the bound allows");
+    return if_at_the_bound(plan_);
   }
 
   /// As long as that is quick.
