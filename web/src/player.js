@@ -43,10 +43,12 @@ export class Player {
     this.speed = h('select', {id: 'speed', 'aria-label': 'Speed, steps a second', onchange: () => this.again()},
       [0.5, 1, 2, 5, 10, 20].map((speed) => h('option', {value: speed, selected: speed === usual}, `${speed}/s`)));
     const order = (name) => h('label', {}, h('input', {type: 'radio', name: 'order', value: name, checked: position.order === name, onchange: () => this.setOrder(name)}), h('span', {}, name === 'assembly' ? 'Assembly' : 'Disassembly'));
+    // Who chose by pointer has the arrow keys for the steps again; who came by keyboard chooses with them.
+    const chosen = (event) => event.detail > 0 && document.activeElement?.blur();
     this.element = h('div', {class: 'player', role: 'group', 'aria-label': 'Steps'},
       h('div', {class: 'buttons'}, this.first, this.back, this.playButton, this.next, this.last),
       h('div', {class: 'slide'}, this.slider, this.label),
-      h('fieldset', {class: 'order'}, h('legend', {class: 'unseen'}, 'Order'), order('disassembly'), order('assembly')),
+      h('fieldset', {class: 'order', onclick: chosen}, h('legend', {class: 'unseen'}, 'Order'), order('disassembly'), order('assembly')),
       h('label', {class: 'speed'}, h('span', {class: 'speed-name'}, 'Speed '), this.speed));
     this.playing = false;
     position.onChange(() => this.update());
