@@ -17,15 +17,32 @@ constexpr std::size_t kCutsPerSet = 300;
 
 /// A row of the linear program: what the parts cost together is at most `room`.
 struct Row {
-  std::array<PartIndex, SmallPieces::kMostListed> parts;
-  std::size_t size;
-  double room;
+  using Parts = std::array<PartIndex, SmallPieces::kMostListed>;
+  Parts parts{};
+  std::size_t size = 0;
+  double room = 0;
+  /// Whether what the parts reserve was taken from the room.
+  bool reserves = false;
+  /// The parts whose reserves were added to the room, if any.
+  Parts lenders{};
+  std::size_t num_lenders = 0;
+
+  [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
+  [[nodiscard]] std::span<const PartIndex> all_lenders() const {
+    return {lenders.data(), num_lenders};
+  }
 };
 
 /// Looks for the greatest costs of parts, minus their prices, that fit into each row.
 class PackedCosts {
  public:
   using Costs = std::vector<double>;
+
+  /// What parts cost, each and all together.
+  struct Answer {
+    Costs costs;
+    double sum;
+  };
 
   PackedCosts(std::vector<Row> rows, std::size_t parts)
       : rows_(std::move(rows)), rows_with_(parts) {
@@ -34,7 +51,8 @@ class PackedCosts {
     }
   }
 
-  [[nodiscard]] Costs find() const {
+  /// Without reserves.
+  [[nodiscard]] Answer find() const {
     Costs costs(rows_with_.size(), kInfinity);
     double scale = 0;
     for (const Row& row : rows_) {
@@ -45,10 +63,10 @@ class PackedCosts {
     }
     Costs best = repaired(costs);
     for (const double cost : best) scale += cost / static_cast<double>(best.size());
-    if (scale <= 0) return best;
+    if (scale <= 0) return {best, sum(best)};
     Costs slope(costs.size(), 1.0);
     const auto work = std::max<std::size_t>(rows_.size(), 1);
-    const auto iterations = std::clamp<std::size_t>(60'000'000 / work, 200, 3000);
+    const auto iterations = std::clamp<std::size_t>(30'000'000 / work, 200, 2000);
     constexpr std::size_t kBetweenRepairs = 50;
     for (std::size_t i = 0; i < iterations; ++i) {
       step_up(costs, slope, 0.05 * scale / (1 + 0.02 * static_cast<double>(i)));
@@ -56,14 +74,52 @@ class PackedCosts {
       Costs valid = repaired(costs);
       if (sum(valid) > sum(best)) best = std::move(valid);
     }
-    return best;
+    return {best, sum(best)};
+  }
+
+  /// The costs made valid.
+  [[nodiscard]] Answer made_valid(const Costs& costs) const {
+    Costs valid = repaired(costs);
+    const double all = sum(valid);
+    return {std::move(valid), all};
+  }
+
+  /// Moves costs and reserves up along the subgradient, `steps` times by `step`.
+  void climb(Costs& costs, Costs& reserves, std::size_t steps, double step) const {
+    constexpr double kStepOfReserves = 0.05;
+    const Costs made_with = reserves;
+    Costs up(costs.size());
+    Costs reserve_up(costs.size());
+    for (; steps > 0; --steps) {
+      std::ranges::fill(up, 1.0);
+      std::ranges::fill(reserve_up, 0.0);
+      for (const Row& row : rows_) {
+        double room = left(row, costs);
+        if (row.reserves) room -= added(row.all(), reserves) - added(row.all(), made_with);
+        if (row.num_lenders > 0)
+          room += added(row.all_lenders(), reserves) - added(row.all_lenders(), made_with);
+        if (room >= 0) continue;
+        for (const PartIndex part : row.all()) {
+          up[part] -= 1;
+          if (row.reserves) reserve_up[part] -= 1;
+        }
+        for (const PartIndex part : row.all_lenders()) reserve_up[part] += 1;
+      }
+      for (std::size_t p = 0; p < costs.size(); ++p) {
+        costs[p] += step * up[p];
+        reserves[p] = std::max(0.0, reserves[p] + kStepOfReserves * step * reserve_up[p]);
+      }
+    }
   }
 
  private:
+  [[nodiscard]] static double added(std::span<const PartIndex> parts, const Costs& costs) {
+    double total = 0;
+    for (const PartIndex part : parts) total += costs[part];
+    return total;
+  }
   [[nodiscard]] static double left(const Row& row, const Costs& costs) {
-    double room = row.room;
-    for (std::size_t i = 0; i < row.size; ++i) room -= costs[row.parts[i]];
-    return room;
+    return row.room - added(row.all(), costs);
   }
   [[nodiscard]] static double sum(const Costs& costs) {
     double total = 0;
@@ -155,6 +211,10 @@ class SmallPieces::Lister {
     double moving;
     /// What its parts may cost together, minus their prices, is at most this.
     double room;
+    /// What its parts reserve together.
+    double reserved;
+    /// The two sets that make it up whose rooms are the least together, without reserves.
+    std::array<std::uint32_t, 2> made_of;
     bool fixed;
 
     [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
@@ -206,9 +266,67 @@ class SmallPieces::Lister {
       set.value = set.size == 1 ? 0 : value_of(set, implied);
       set.room = set.fixed ? 0.0 - set.value : 0.0 - set.value - set.moving;
       if (2 * set.size > largest) set.room = std::min(set.room, 0.0 - set.value);
-      if (set.room < implied) rows.push_back({set.parts, set.size, set.room});
+      if (set.room < implied)
+        rows.push_back({.parts = set.parts, .size = set.size, .room = set.room});
     }
     return rows;
+  }
+
+  /// The rows where each part reserves so much. Only after measure().
+  std::vector<Row> rows_with(const std::vector<double>& reserves, std::size_t largest) {
+    const std::vector<std::uint32_t> least = least_lenders(reserves, largest);
+    std::vector<Row> rows;
+    for (ListedSet& set : sets_) {
+      Row row{.parts = set.parts, .size = set.size, .room = 0.0 - set.value};
+      if (!set.fixed) {
+        row.reserves = true;
+        row.room -= set.moving + set.reserved;
+      }
+      if (!set.fixed && 2 * set.size > largest) {
+        const ListedSet* const lender = lender_of(set, least, largest);
+        const double room = lender == nullptr ? kInfinity : lender->reserved - set.value;
+        if (room < row.room) {
+          row.room = room;
+          row.reserves = false;
+          row.lenders = lender->parts;
+          row.num_lenders = lender->size;
+        }
+      }
+      set.room = row.room;
+      const bool implied =
+          set.size > 1 && set.room >= sets_[set.made_of[0]].room + sets_[set.made_of[1]].room;
+      if (!implied) rows.push_back(row);
+    }
+    return rows;
+  }
+
+  /// The greatest costs of parts that could be found; `rows` are those of measure().
+  std::vector<double> costs(std::vector<Row> rows, std::size_t largest) {
+    const std::size_t parts = graph_.num_parts();
+    constexpr std::size_t kMostIdleRounds = 3;
+    constexpr std::size_t kMostRounds = 20;
+    constexpr std::size_t kStepsInRound = 80;
+    constexpr double kWorthARound = 1.001;
+    PackedCosts::Answer best = PackedCosts(std::move(rows), parts).find();
+    const double scale = best.sum / static_cast<double>(parts);
+    if (scale <= 0) return best.costs;
+    // Where all cuts cost the same, parts reserve this share.
+    std::vector<double> costs = best.costs;
+    std::vector<double> reserves = best.costs;
+    for (double& reserve : reserves)
+      reserve = std::max(0.0, reserve) / static_cast<double>(largest + 1);
+    std::size_t idle = 0;
+    for (std::size_t round = 0; round < kMostRounds; ++round) {
+      const PackedCosts packed(rows_with(reserves, largest), parts);
+      PackedCosts::Answer valid = packed.made_valid(costs);
+      const double before = best.sum;
+      if (valid.sum > best.sum) best = std::move(valid);
+      idle = best.sum < before * kWorthARound ? idle + 1 : 0;
+      if (idle == kMostIdleRounds) break;
+      packed.climb(costs, reserves, kStepsInRound,
+                   0.005 * scale / (1 + 0.4 * static_cast<double>(round)));
+    }
+    return best.costs;
   }
 
   [[nodiscard]] const std::vector<ListedSet>& sets() const { return sets_; }
@@ -220,6 +338,42 @@ class SmallPieces::Lister {
     ListedSet& set = sets_.emplace_back();
     std::ranges::copy(parts, set.parts.begin());
     set.size = parts.size();
+  }
+
+  /// By size, less 1, and part: the set of that size that holds the part and reserves least; the
+  /// number of sets where there is none.
+  std::vector<std::uint32_t> least_lenders(const std::vector<double>& reserves,
+                                           std::size_t largest) {
+    const auto none = static_cast<std::uint32_t>(sets_.size());
+    std::vector<std::uint32_t> least(largest * graph_.num_parts(), none);
+    for (std::uint32_t s = 0; s < none; ++s) {
+      ListedSet& set = sets_[s];
+      set.reserved = 0;
+      for (const PartIndex part : set.all()) set.reserved += reserves[part];
+      for (const PartIndex part : set.all()) {
+        std::uint32_t& known = least[(set.size - 1) * graph_.num_parts() + part];
+        if (known == none || set.reserved < sets_[known].reserved) known = s;
+      }
+    }
+    return least;
+  }
+  /// Of the sets that hold a part next to `kept`, and that make up more parts with it than are
+  /// listed, the one that reserves least; null where there is none.
+  [[nodiscard]] const ListedSet* lender_of(const ListedSet& kept,
+                                           const std::vector<std::uint32_t>& least,
+                                           std::size_t largest) const {
+    const std::span<const std::uint32_t> of_size =
+        std::span(least).subspan((largest - kept.size) * graph_.num_parts(), graph_.num_parts());
+    const ListedSet* found = nullptr;
+    for (const PartIndex part : kept.all()) {
+      for (const auto& half : graph_.around(part)) {
+        if (of_size[half.other] == sets_.size()) continue;
+        const ListedSet& lender = sets_[of_size[half.other]];
+        const bool less = found == nullptr || lender.reserved < found->reserved;
+        if (less && !std::ranges::binary_search(kept.all(), half.other)) found = &lender;
+      }
+    }
+    return found;
   }
 
   /// Adds the sets that have one part more than set `s`. False if there are too many.
@@ -269,8 +423,8 @@ class SmallPieces::Lister {
   }
 
   /// The greatest over the cuts of `set`; and to `implied` the least room of two sets that make it
-  /// up.
-  [[nodiscard]] double value_of(const ListedSet& set, double& implied) {
+  /// up, which are then those that it is made of.
+  [[nodiscard]] double value_of(ListedSet& set, double& implied) {
     double best = -kInfinity;
     double best_of_all = -kInfinity;
     std::array<PartIndex, kMostListed> a{};
@@ -287,9 +441,14 @@ class SmallPieces::Lister {
       const std::span<const PartIndex> side_a(a.data(), in_a);
       const std::span<const PartIndex> side_b(b.data(), in_b);
       // All connected sets of these sizes are listed.
-      const ListedSet& first = sets_[place_.find(key_of(side_a))];
-      const ListedSet& second = sets_[place_.find(key_of(side_b))];
-      implied = std::min(implied, first.room + second.room);
+      const std::array<std::uint32_t, 2> sides = {place_.find(key_of(side_a)),
+                                                  place_.find(key_of(side_b))};
+      const ListedSet& first = sets_[sides[0]];
+      const ListedSet& second = sets_[sides[1]];
+      if (first.room + second.room < implied) {
+        implied = first.room + second.room;
+        set.made_of = sides;
+      }
       const double apart = first.value + second.value;
       double most = -kInfinity;
       if (first.fixed && second.fixed) most = 0;
@@ -336,7 +495,7 @@ SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t
   listed_ = std::move(lister).take_places();
   prices_.assign(parts, 0);
   if (largest < parts) {
-    prices_ = PackedCosts(std::move(rows), parts).find();
+    prices_ = lister.costs(std::move(rows), largest);
     for (double& price : prices_) price = 0.0 - price;
   }
   largest_ = largest;

@@ -22,19 +22,27 @@ namespace orasp {
 ///             each part p has a price y(p), and
 ///
 ///                 V(S) <= sum over p in S of y(p),   if for all connected M of at most K parts
-///                 V(M) + gain of moving M <= sum of y over M,   unless M holds a base part,
-///                 V(M)                    <= sum of y over M,   if 2 |M| > K or M holds one.
+///                 V(M) + gain of moving M <= sum of y - r over M,  unless M holds a base part,
+///                 V(M) <= sum of y over M + lent(M),               if 2 |M| > K,
+///                 V(M) <= sum of y over M,                         if M holds a base part.
 ///
-///             The least such prices are a linear program. Its penalty form is exact with a penalty
-///             of 1 for each set, since no multiplier is greater than 1; subgradients find prices
-///             that are nearly the least, and a repair makes them valid.
+///             The reserves r(p) >= 0 say that of two sides with at most K parts each the one that
+///             moves pays for itself, so that only the other one stays for nothing: lent(M) is the
+///             least sum of r over a connected set of K + 1 - |M| parts that holds one next to M.
+///             With all reserves 0 every M of more than half of K parts would stay for nothing. The
+///             least prices are a linear program. Its penalty form is exact with a penalty of 1 for
+///             each set, since no multiplier is greater than 1; subgradients find prices that are
+///             nearly the least, and a repair makes them valid, whatever the reserves are.
 /// Proof.      By induction over the parts of S > K. A cut moves A off B; both in the list or
-///             larger. Of at most K parts, A has V(A) + gain <= its prices by the first condition,
-///             B has V(B) <= its prices by the second, since it is no smaller than A or holds a
-///             base part. Of more parts, V is at most the prices by induction and the gain is
-///             at most 0. If both sides hold a base part, nothing moves and the second condition
-///             covers both. So V(S) >= gain + V(A) + V(B) holds for the bound in place of V, which
-///             makes it consistent.
+///             larger. If both are in the list and B holds no base part, B is no smaller than A and
+///             2 |B| > K. A is connected, holds a part next to B and has at least K + 1 - |B|
+///             parts, so that it reserves lent(B) or more: what B falls short of by the second
+///             condition, A has left by the first. If B is larger, A has V(A) + gain <= its prices
+///             by the first condition; if B holds a base part, B has V(B) <= its prices by the
+///             third, and V is at most the prices by induction for a side of more than K parts,
+///             where the gain is at most 0. If both sides hold a base part, nothing moves and the
+///             third condition covers both. So V(S) >= gain + V(A) + V(B) holds for the bound in
+///             place of V, which makes it consistent.
 /// Reference.  Subgradients: Held and Karp (1971), Mathematical Programming 1, 6-25.
 /// Guarantee.  Never below what the cuts of a piece can gain. Precedence, blocking between pieces
 ///             and max_subassemblies only take cuts away. A listed piece that blocking or limits
