@@ -151,9 +151,9 @@ TEST(SmallPieces, PricesTellWhatPlansCostAtLeast) {
   }
 }
 
-// Of two listed sides only the larger one stays for nothing. In a row of nine parts at one place all
-// cuts cost the same; with sets of up to four parts listed, parts cost at least 4/5 of a cut each.
-// They would cost 2/3 if every set of three parts might stay for nothing.
+// Of two listed sides only the larger one stays for nothing. In a row of nine parts at one place
+// all cuts cost the same; with sets of up to four parts listed, parts cost at least 4/5 of a cut
+// each. They would cost 2/3 if every set of three parts might stay for nothing.
 TEST(SmallPieces, TheSideThatMovesPaysForItself) {
   ProblemSpec spec = random_product(0, "time");
   spec.connections.clear();
