@@ -59,12 +59,7 @@ void read_policy_into(Options& options, const std::string& file, const Problem& 
     options.policy = std::make_shared<const Policy>(read_policy(file, problem).trained.policy);
     return;
   }
-  GraphPolicyFile read;
-  try {
-    read = parse_graph_policy(bytes);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file, error.what()));
-  }
+  GraphPolicyFile read = read_graph_policy(file);
   require_kind(problem, read.kind, file);
   options.graph_policy = std::make_shared<const GraphPolicy>(std::move(read.policy));
 }

@@ -15,6 +15,7 @@
 
 #include "cli/exit_codes.h"
 #include "cli/options/command_line.h"
+#include "cli/options/problem_source.h"
 #include "cli/options/shared_options.h"
 #include "cli/output/json_output.h"
 #include "cli/output/text.h"
@@ -180,6 +181,7 @@ std::string summary(const Problem& problem, const Training& training, const Trai
 
 Json as_json(const ImitationRecord& record) {
   return {{"epoch", record.epoch},
+          {"own", record.own},
           {"problems", record.problems},
           {"held_out_problems", record.held_out_problems},
           {"states", record.states},
@@ -192,8 +194,6 @@ Json as_json(const ImitationRecord& record) {
 
 /// `orasp train --problems`.
 int run_together(const TrainOptions& options, const Context& context) {
-  if (!options.resume.empty())
-    throw InputError("--resume goes on with a policy for one problem, --problems begins anew");
   if (!options.of_q_learning.empty())
     throw InputError(
         fmt::format("{} belongs to deep Q-learning, and --problems learns by imitation",
@@ -210,16 +210,24 @@ int run_together(const TrainOptions& options, const Context& context) {
     systems.push_back(std::make_unique<const TransitionSystem>(*problems.back()));
     plain.push_back(systems.back().get());
   }
-  Log log(options.log, false);
+  std::optional<GraphPolicyFile> earlier;
+  if (!options.resume.empty()) {
+    earlier = read_graph_policy(options.resume);
+    kind = kind_of_both(earlier->kind, *kind);
+  }
+  Log log(options.log, earlier.has_value());
   ImitationOptions imitation;
   imitation.seed = options.learning.dqn.seed;
-  const Imitation learned =
-      imitate(plain, imitation, make_budget(options.limits), [&](const ImitationRecord& record) {
+  const Imitation learned = imitate(
+      plain, imitation, make_budget(options.limits),
+      [&](const ImitationRecord& record) {
         log.write(as_json(record));
-        context.say(fmt::format("{:>4} epochs  loss {:.4f}  held out {:.4f}  right {:.1f} %  {}",
+        context.say(fmt::format("{:>4} epochs  loss {:.4f}  held out {:.4f}  right {:.1f} %  {}{}",
                                 record.epoch, record.loss, record.held_out_loss,
-                                100 * record.held_out_right, seconds_text(record.seconds)));
-      });
+                                100 * record.held_out_right, seconds_text(record.seconds),
+                                record.own ? "  with own states" : ""));
+      },
+      earlier ? &earlier->policy : nullptr);
   const ImitationRecord& best = learned.best;
   if (best.states == 0) {
     context.warn("nothing was learned: no state of the problems has a choice that was settled");
@@ -318,7 +326,9 @@ CommandWork train_command(CommandLine& line) {
   line.text("-o,--output", "FILE",
             "Write the policy to FILE, now and then and at the end (default: none).",
             options.policy);
-  line.text("--resume", "FILE", "Go on from this policy (default: begin anew).", options.resume);
+  line.text("--resume", "FILE",
+            "Go on from this policy (default: begin anew). With --problems one of --problems.",
+            options.resume);
   line.text("--log", "FILE", "Write a line of JSON after every round of episodes (default: none).",
             options.log);
   line.value("--checkpoint-every", "SECONDS", "Write the policy this often (default: 30).",

@@ -88,6 +88,15 @@ std::string read_text(const std::string& file) {
   return text;
 }
 
+GraphPolicyFile read_graph_policy(const std::string& file) {
+  const std::string bytes = read_text(file);
+  try {
+    return parse_graph_policy(bytes);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
 Problem changed(const Problem& problem, const ProblemChanges& changes) {
   return edited(problem, edits_of(changes), "--");
 }

@@ -9,6 +9,7 @@
 
 #include "cli/context.h"
 #include "orasp/catalogue.h"
+#include "orasp/io/graph_policy_file.h"
 #include "orasp/io/plan_json.h"
 #include "orasp/io/policy_file.h"
 #include "orasp/model/problem.h"
@@ -36,6 +37,9 @@ struct LimitOptions {
 
 /// The whole of a file, or of standard input for "-". @throws InputError.
 [[nodiscard]] std::string read_text(const std::string& file);
+
+/// A policy of `orasp train --problems`. @throws InputError that names the file.
+[[nodiscard]] GraphPolicyFile read_graph_policy(const std::string& file);
 
 /// Loads PROBLEM: "-" is standard input; a name with a '/' or that ends in ".json" is a file;
 /// otherwise a built-in scenario if there is one, else a file. Warnings go to standard error; one

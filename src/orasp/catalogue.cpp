@@ -110,9 +110,15 @@ Expectation expectation_of(const Task& task, const Result& result,
   return expectation;
 }
 
+/// What stands in the way and is seen at once.
+std::optional<std::string> reason_at_sight(const Planner& planner, const Request& request) {
+  if (auto reason = wrong_kind(planner, request)) return reason;
+  return planner.misfit == nullptr ? std::nullopt : planner.misfit(request);
+}
+
 /// Everything that stands in the way.
 std::optional<std::string> reason_against(const Planner& planner, const Request& request) {
-  if (auto reason = wrong_kind(planner, request)) return reason;
+  if (auto reason = reason_at_sight(planner, request)) return reason;
   return planner.obstacle == nullptr ? std::nullopt : planner.obstacle(request);
 }
 
@@ -183,11 +189,11 @@ struct Answer {
 };
 
 Answer answered(const Planner& planner, const Request& request) {
-  if (const auto reason = wrong_kind(planner, request))
+  if (const auto reason = reason_at_sight(planner, request))
     throw InputError(refusal(planner, *reason, request));
   Result result;
-  // A method's own obstacle is not asked first: to find one may cost as much as to begin the work,
-  // and a method that meets one throws the same reason as a Refusal.
+  // A method's other obstacles are not asked first: to find one may cost as much as to begin the
+  // work, and a method that meets one throws the same reason as a Refusal.
   try {
     result = planner.run(request);
   } catch (const Refusal& refused) {

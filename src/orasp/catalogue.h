@@ -94,6 +94,8 @@ struct Planner {
   /// meets the same obstacle it throws the same words as a Refusal. Looks at the problem, not for a
   /// plan.
   std::optional<std::string> (*obstacle)(const Request&) = nullptr;
+  /// The same of what is seen at once: solve() asks it before run(), which need not ask again.
+  std::optional<std::string> (*misfit)(const Request&) = nullptr;
   Result (*run)(const Request&) = nullptr;
   /// The rows of its options; --seed and --steps are not among them, since every method takes them.
   std::span<const OptionSpec> (*options)() = no_options;

@@ -9,6 +9,7 @@
 #include "orasp/fleet/fleet_search.h"
 #include "orasp/learning/graph_policy.h"
 #include "orasp/learning/network.h"
+#include "orasp/learning/policy_advice.h"
 #include "orasp/learning/q_learning.h"
 #include "orasp/mip/mip.h"
 #include "orasp/mip/mip_solver.h"
@@ -100,22 +101,28 @@ Reason bound_asked_for(const Request& request) {
   return symmetry_obstacle(*request.system, request.options.symmetry);
 }
 
-/// Why the policy that was given makes no plan here.
-Reason policy_fits(const Request& request) {
+/// Whether a policy was given and has something to say.
+bool asks_policy(const Request& request) {
   const Options& options = request.options;
-  if (!options.policy && !options.graph_policy) return std::nullopt;
-  if (request.system == nullptr)
+  return (options.policy || options.graph_policy) && request.system != nullptr &&
+         !settled_at_sight(request) && request.system->num_connections() > 0;
+}
+
+/// Why the policy that was given is none for this problem.
+Reason policy_fits(const Request& request) {
+  if (!asks_policy(request)) return std::nullopt;
+  return request.options.graph_policy ? graph_policy_obstacle(*request.system)
+                                      : policy_obstacle(*request.system, *request.options.policy);
+}
+
+/// The same for a method that only begins with the policy's plan, and looks at what it advises.
+Reason advice_fits(const Request& request) {
+  if (request.system == nullptr && (request.options.policy || request.options.graph_policy))
     return std::string("begins with the plan of a policy only where one robot works");
-  if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
+  if (!asks_policy(request)) return std::nullopt;
   if (request.system->wide()) return std::string(kPlainSteps);
   if (request.system->problem().uncertain())
     return std::string("begins with the plan of a policy only where every attempt succeeds");
-  return options.graph_policy ? graph_policy_obstacle(*request.system)
-                              : policy_obstacle(*request.system, *options.policy);
-}
-
-Reason beam_needs(const Request& request) {
-  if (Reason reason = bound_asked_for(request)) return reason;
   return policy_fits(request);
 }
 
@@ -147,10 +154,10 @@ Reason fleet_search_needed(const Request& request) {
 }
 
 Reason network_needed(const Request& request) {
-  if (settled_at_sight(request) || request.system->num_connections() == 0) return std::nullopt;
   const Options& options = request.options;
-  if (options.graph_policy) return graph_policy_obstacle(*request.system);
-  if (options.policy) return policy_obstacle(*request.system, *options.policy);
+  if (options.policy || options.graph_policy || settled_at_sight(request) ||
+      request.system->num_connections() == 0)
+    return std::nullopt;
   return trains_over_pieces(*request.system, options.dqn) ? std::nullopt : network_obstacle();
 }
 
@@ -175,30 +182,34 @@ Result run_value_iteration(const Request& request) {
   return value_iteration(system, options, request.budget);
 }
 
-/// The plan of the policy that was given; none where there is no policy or no plan.
-/// @throws Refusal: policy_fits().
-std::optional<Result> plan_of_policy(const Request& request, const char* method) {
-  if (const Reason reason = policy_fits(request)) throw Refusal(method, *reason);
-  const Options& options = request.options;
+/// What a policy that was given says: its plan, where it makes one, and advice.
+struct PolicyAnswer {
   std::optional<Result> plan;
-  if (request.system == nullptr || settled_at_sight(request) ||
-      request.system->num_connections() == 0)
-    return std::nullopt;
-  if (options.graph_policy)
-    plan = follow_graph_policy(*request.system, *options.graph_policy, request.budget);
-  else if (options.policy)
-    plan = follow_policy(*request.system, *options.policy, request.budget);
-  if (plan && !plan->has_plan()) plan.reset();
-  return plan;
+  MakeAdvice advice;
+
+  [[nodiscard]] const Result* incumbent() const { return plan ? &*plan : nullptr; }
+  [[nodiscard]] const MakeAdvice* make_advice() const { return advice ? &advice : nullptr; }
+};
+PolicyAnswer ask_policy(const Request& request) {
+  PolicyAnswer answer;
+  if (!asks_policy(request)) return answer;
+  const Options& options = request.options;
+  answer.plan = options.graph_policy
+                    ? follow_graph_policy(*request.system, *options.graph_policy, request.budget)
+                    : follow_policy(*request.system, *options.policy, request.budget);
+  if (!answer.plan->has_plan()) answer.plan.reset();
+  answer.advice =
+      options.graph_policy ? advice_of(options.graph_policy) : advice_of(options.policy);
+  return answer;
 }
 
 Result run_automatic(const Request& request) {
-  const std::optional<Result> known = plan_of_policy(request, "auto");
+  const PolicyAnswer policy = ask_policy(request);
   if (request.system != nullptr) {
     if (request.task.problem.uncertain())
       return uncertain_automatic(*request.system, request.options.value_iteration, request.budget);
-    return automatic(*request.system, request.options.seed, request.budget,
-                     known ? &*known : nullptr);
+    return automatic(*request.system, request.options.seed, request.budget, policy.incumbent(),
+                     policy.make_advice());
   }
   const FleetOptions options = request.fleet_options();
   const Reason too_large = fleet_search_obstacle(*request.fleet, options);
@@ -244,10 +255,11 @@ Result run_a_star(const Request& request) {
 }
 
 Result run_beam(const Request& request) {
-  const std::optional<Result> known = plan_of_policy(request, "beam");
+  const PolicyAnswer policy = ask_policy(request);
   return beam(*request.system,
               {.bound = request.options.bound,
-               .incumbent = known ? &*known : nullptr,
+               .incumbent = policy.incumbent(),
+               .advice = policy.make_advice(),
                .symmetry = request.options.symmetry},
               request.budget);
 }
@@ -309,7 +321,7 @@ constexpr std::array kPlanners = {
             .role = Role::Chooser,
             .fleets = true,
             .uncertain = true,
-            .obstacle = policy_fits,
+            .misfit = advice_fits,
             .run = run_automatic,
             .options = policy_options},
     Planner{.name = "value-iteration",
@@ -347,7 +359,8 @@ constexpr std::array kPlanners = {
     Planner{.name = "beam",
             .summary = "complete anytime beam search: a plan at once, better ones as it goes",
             .exact = true,
-            .obstacle = beam_needs,
+            .obstacle = bound_asked_for,
+            .misfit = advice_fits,
             .run = run_beam,
             .options = beam_options},
     Planner{.name = "and-or",
@@ -386,6 +399,7 @@ constexpr std::array kPlanners = {
             .summary = "a deep Q-network, trained first unless a policy is given",
             .role = Role::Learner,
             .obstacle = network_needed,
+            .misfit = policy_fits,
             .run = run_dqn,
             .options = policy_options},
     Planner{

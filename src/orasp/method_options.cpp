@@ -77,7 +77,7 @@ constexpr std::array kSearchOptions = {kBound, kSymmetry};
 
 constexpr OptionSpec kPolicy{
     "policy", "FILE", FileOption{},
-    "Plan with this policy of `orasp train`; auto and beam begin with its plan",
+    "Plan with this policy of `orasp train`; auto and beam begin with its plan and take its advice",
     "train one first; auto and beam: none"};
 constexpr std::array kPolicyOptions = {kPolicy};
 constexpr std::array kBeamOptions = {kBound, kSymmetry, kPolicy};

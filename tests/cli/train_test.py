@@ -215,6 +215,29 @@ class Train(Case):
             self.assertEqual(answer.code, 30)
             self.assertIn(words, answer.error)
 
+    def test_a_policy_for_many_products_learns_on(self):
+        policy = self.folder / "general.pt"
+        again = self.folder / "again.pt"
+        log = self.folder / "log.jsonl"
+        for file, arguments in [(policy, []), (again, ["--resume", policy])]:
+            answer = orasp("train", "--problems", "tree:8:1", "tree:9:2", "tree:10:3", "-o", file, "--log", log, "--quiet", *arguments)
+            self.assertEqual(answer.code, 0, answer.error)
+        records = [json.loads(line) for line in log.read_text().splitlines()]
+        begins = [record for record in records if record["epoch"] == 0 and not record["own"]]
+        self.assertEqual(len(begins), 2, "the log goes on")
+        self.assertLess(begins[1]["held_out_loss"], begins[0]["held_out_loss"])
+        self.assertTrue(any(record["own"] for record in records))
+        for arguments, words in [(["--objective", "completion"], "one policy is for one objective"),
+                                 (["--direction", "assembly"], "one policy is for one direction")]:
+            answer = orasp("train", "--problems", "tree:8:1", "tree:9:2", "--resume", policy, *arguments)
+            self.assertEqual(answer.code, 30)
+            self.assertIn(words, answer.error)
+        other = self.folder / "other.pt"
+        other.write_text("{}")
+        answer = orasp("train", "--problems", "tree:8:1", "tree:9:2", "--resume", other)
+        self.assertEqual(answer.code, 30)
+        self.assertIn("other.pt: this is no policy of `orasp train --problems`", answer.error)
+
     def test_options_that_make_no_sense(self):
         for arguments, words in [(["--discount", "1.5"], "from 0 to 1"), (["--epsilon-end", "-1"], "from 0 to 1"),
                                  (["--imitation", "nan"], "from 0 to 1"), (["--hidden", "8,,8"], "whole number"),

@@ -145,6 +145,51 @@ TEST(Imitation, TheSameSeedTheSamePolicy) {
   EXPECT_EQ(imitated(seen, 3).policy.weights, imitated(seen, 3).policy.weights);
 }
 
+TEST(Imitation, LearnsOnFromItsOwnStatesAndFromAnEarlierPolicy) {
+  const auto seen = products({"tree:8:1", "tree:9:2", "tree:10:3", "grid:2x4", "grid:3x3"});
+  std::vector<const TransitionSystem*> systems;
+  for (const auto& product : seen) systems.push_back(&product->system);
+  ImitationOptions options;
+  options.states = 10;
+  options.most_epochs = 6;
+  std::vector<ImitationRecord> log;
+  const auto note = [&](const ImitationRecord& record) { log.push_back(record); };
+  const Imitation first = imitate(systems, options, {}, note);
+  const auto own = std::ranges::find(log, true, &ImitationRecord::own);
+  ASSERT_NE(own, log.end()) << "it meets its own states";
+  EXPECT_GT(own->states, log.front().states);
+  EXPECT_GT(own->held_out_states, log.front().held_out_states);
+  EXPECT_LE(first.best.held_out_loss, own->held_out_loss) << "never worse by them";
+
+  // The same problems are held out for the same seed, so what was learned is seen again.
+  const double untrained = log.front().held_out_loss;
+  log.clear();
+  const Imitation second = imitate(systems, options, {}, note, &first.policy);
+  EXPECT_LT(log.front().held_out_loss, 0.8 * untrained);
+  EXPECT_NE(second.policy.weights, GraphPolicy::untrained(options.seed).weights);
+  options.most_epochs = 0;
+  EXPECT_EQ(imitate(systems, options, {}, {}, &first.policy).policy.weights, first.policy.weights);
+}
+
+TEST(Imitation, OwnStatesAreThoseOfThePolicy) {
+  // Untrained it is greedy, whose states are not those of the walks else.
+  const Product product(balanced("tree:12:5"));
+  const GraphPolicy policy = GraphPolicy::untrained(2);
+  const auto own = label_states(product.system, 12, 1, {}, &policy);
+  const auto others = label_states(product.system, 12, 1, {});
+  const auto greedy_choice_is_wrong = [](const LabelledState& one) {
+    const auto now = [&](std::size_t i) {
+      return one.state.actions[i * GraphState::kActionFeatures];
+    };
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < one.loss.size(); ++i) best = now(i) > now(best) ? i : best;
+    return one.loss[best] > 0;
+  };
+  ASSERT_FALSE(own.empty());
+  EXPECT_FALSE(std::ranges::equal(own, others, {}, &LabelledState::loss, &LabelledState::loss));
+  EXPECT_GT(std::ranges::count_if(own, greedy_choice_is_wrong), 0);
+}
+
 // Both directions, all constraints: the policy is a plan to begin with and proves nothing.
 TEST(GraphPolicy, SearchesThatBeginWithItsPlanProveTheSame) {
   const auto policy = std::make_shared<const GraphPolicy>(GraphPolicy::untrained(4));

@@ -99,6 +99,7 @@ GraphObserver::GraphObserver(const TransitionSystem& system)
       expander_(system),
       outlook_(system),
       bound_(system, PieceBound::Kind::Both),
+      cuts_(system, bound_.gains()),
       degrees_(system.problem().num_parts()) {
   const Problem& problem = system.problem();
   for (const Part& part : problem.parts()) total_mass_ += part.mass;
@@ -113,6 +114,14 @@ GraphObserver::GraphObserver(const TransitionSystem& system)
     const double most = std::abs(bound_(system.start().view()));
     if (most > 0 && std::isfinite(most)) unit_ = most / static_cast<double>(system.num_steps());
   }
+}
+
+std::vector<CutOutlook::Step> GraphObserver::cuts_of(SetView open,
+                                                     std::span<const Action> actions) {
+  std::vector<CutOutlook::Step> cuts(actions.size());
+  // Where there are quick plans they say more.
+  if (!outlook_.known()) std::ranges::copy(cuts_.look(open, actions), cuts.begin());
+  return cuts;
 }
 
 GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
@@ -231,6 +240,11 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
   state.actions.reserve(actions.size() * kAction);
   std::vector<bool> beside(parts);
   const std::span<const PieceOutlook::Step> outlook = outlook_.look(open, actions);
+  const std::vector<CutOutlook::Step> cuts = cuts_of(open, actions);
+  double least_loss = kInfinity;
+  for (const CutOutlook::Step& cut : cuts) {
+    if (cut.known) least_loss = std::min(least_loss, cut.loss);
+  }
   // What each step loses at least.
   std::vector<double> bounds;
   double here = 0;
@@ -294,7 +308,13 @@ GraphState GraphObserver::observe(SetView open, std::span<const Action> legal) {
         in_units(outlook[i].loss),
         outlook[i].loss > kLeastLoss * unit_ ? 1.0F : 0.0F,
         std::isfinite(outlook[i].loss) ? 0.0F : 1.0F,
-        outlook[i].at_bound ? 1.0F : 0.0F};
+        outlook[i].at_bound ? 1.0F : 0.0F,
+        cuts[i].known ? 1.0F : 0.0F,
+        cuts[i].known ? in_units(cuts[i].loss) : 0.0F,
+        cuts[i].known && cuts[i].loss <= kLeastLoss * unit_ ? 1.0F : 0.0F,
+        cuts[i].known ? in_units(cuts[i].loss - least_loss) : 0.0F,
+        cuts[i].known ? ratio(1, cuts[i].left) : 0.0F,
+        cuts[i].holds_best ? 1.0F : 0.0F};
     state.actions.insert(state.actions.end(), features.begin(), features.end());
   }
   return state;

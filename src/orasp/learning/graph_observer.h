@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "orasp/bounds/piece_bound.h"
+#include "orasp/learning/cut_outlook.h"
 #include "orasp/learning/piece_outlook.h"
 #include "orasp/model/transition_system.h"
 
@@ -16,7 +17,7 @@ namespace orasp {
 /// legal step), so that products of any size look alike.
 struct GraphState {
   static constexpr std::size_t kPartFeatures = 11;
-  static constexpr std::size_t kActionFeatures = 29;
+  static constexpr std::size_t kActionFeatures = 35;
 
   /// Shape [parts, kPartFeatures].
   std::vector<float> parts;
@@ -50,10 +51,14 @@ class GraphObserver {
   [[nodiscard]] GraphState observe(SetView open, std::span<const Action> actions);
 
  private:
+  [[nodiscard]] std::vector<CutOutlook::Step> cuts_of(SetView open,
+                                                      std::span<const Action> actions);
+
   const TransitionSystem& system_;
   Expander expander_;
   PieceOutlook outlook_;
   PieceBound bound_;
+  CutOutlook cuts_;
   /// What losses are measured in: about what a step earns.
   double unit_ = 1;
   double total_mass_ = 0;

@@ -27,9 +27,12 @@ constexpr std::size_t kMostUnsettled = 40;
 constexpr double kLeastGain = 1e-4;  // of the loss held out, to go on
 constexpr std::size_t kMostWalks = 64;
 constexpr std::size_t kBatch = 16;
+constexpr float kAveraged = 0.02F;  // how much of the network its average takes over at each step
 // Of the steps of a walk: those that earn most at once, then random ones, then right ones.
 constexpr double kGreedyShare = 0.25;
 constexpr double kRightFrom = 0.5;
+// Of the steps of a policy's own walk.
+constexpr double kRandomShare = 0.1;
 
 struct Answer {
   std::optional<double> value;
@@ -195,6 +198,133 @@ void shuffle(std::vector<std::size_t>& order, SplitMix64& random) {
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
 }
 
+/// One training.
+class Pupil {
+ public:
+  Pupil(std::span<const TransitionSystem* const> systems, const ImitationOptions& options,
+        const Budget& budget, const std::function<void(const ImitationRecord&)>& log,
+        const GraphPolicy* resume)
+      : systems_(systems),
+        options_(options),
+        budget_(budget),
+        log_(log),
+        random_(options.seed),
+        order_(systems.size()),
+        held_out_(systems.size() < 2 ? 0 : std::max<std::size_t>(1, systems.size() / 5)),
+        outcome_{resume != nullptr ? *resume : GraphPolicy::untrained(options.seed), {}, {}} {
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = i;
+    shuffle(order_, random_);
+    record_.problems = systems.size() - held_out_;
+    record_.held_out_problems = held_out_;
+  }
+
+  [[nodiscard]] Imitation learn() {
+    ask_engine(options_.states, nullptr);
+    if (lessons_.empty()) return std::move(outcome_);
+    judge_beginning();
+    learn_epochs();
+    if (options_.own_states == 0 || outcome_.stop != Stop::None) return std::move(outcome_);
+    record_.own = true;
+    const GraphPolicy mine = outcome_.policy;
+    ask_engine(options_.own_states, &mine);
+    if (outcome_.stop != Stop::None) return std::move(outcome_);
+    judge_beginning();
+    learn_epochs();
+    return std::move(outcome_);
+  }
+
+ private:
+  /// Adds states of each problem to what is learned from, or to what is asked in the end.
+  void ask_engine(std::size_t states, const GraphPolicy* own) {
+    for (std::size_t i = 0; i < order_.size() && budget_.expired() == Stop::None; ++i) {
+      std::vector<LabelledState>& to = i < held_out_ ? exam_ : lessons_;
+      for (LabelledState& one :
+           label_states(*systems_[order_[i]], states, random_.next(), budget_, own))
+        to.push_back(std::move(one));
+    }
+    outcome_.stop = budget_.expired();
+    record_.states = lessons_.size();
+    record_.held_out_states = exam().size();
+  }
+  [[nodiscard]] const std::vector<LabelledState>& exam() const {
+    return exam_.empty() ? lessons_ : exam_;
+  }
+  void examine(const GraphPolicy& policy) {
+    record_.held_out_loss = 0;
+    record_.held_out_right = 0;
+    const double share = 1.0 / static_cast<double>(exam().size());
+    for (const LabelledState& one : exam()) {
+      const std::span<const float> worth = network_.worth(policy, one.state);
+      record_.held_out_loss += share * loss_of(one, worth, slope_);
+      if (one.loss[best_settled(one, worth)] == 0) record_.held_out_right += share;
+    }
+    record_.seconds = watch_.seconds();
+  }
+  void judge_beginning() {
+    record_.loss = 0;
+    examine(outcome_.policy);
+    outcome_.best = record_;
+    if (log_) log_(record_);
+  }
+  /// Learns on from the best policy so far until it gets no better.
+  void learn_epochs() {
+    GraphPolicy policy = outcome_.policy;
+    GraphPolicy average = policy;
+    detail::Adam adam(policy.weights.size());
+    std::vector<std::size_t> turn(lessons_.size());
+    for (std::size_t i = 0; i < turn.size(); ++i) turn[i] = i;
+    const std::size_t most = record_.epoch + options_.most_epochs;
+    while (record_.epoch < most && record_.epoch < outcome_.best.epoch + options_.patience) {
+      shuffle(turn, random_);
+      ++record_.epoch;
+      learn_epoch(turn, adam, policy, average);
+      if (outcome_.stop != Stop::None) return;
+      examine(average);
+      if (record_.held_out_loss < outcome_.best.held_out_loss - kLeastGain) {
+        outcome_.best = record_;
+        outcome_.policy = average;
+      }
+      if (log_) log_(record_);
+    }
+  }
+  void learn_epoch(std::span<const std::size_t> turn, detail::Adam& adam, GraphPolicy& policy,
+                   GraphPolicy& average) {
+    record_.loss = 0;
+    std::vector<float> gradient(policy.weights.size());
+    for (std::size_t begin = 0; begin < turn.size(); begin += kBatch) {
+      const std::size_t end = std::min(begin + kBatch, turn.size());
+      std::ranges::fill(gradient, 0.0F);
+      for (std::size_t i = begin; i < end; ++i) {
+        const LabelledState& one = lessons_[turn[i]];
+        record_.loss += loss_of(one, network_.worth(policy, one.state), slope_) /
+                        static_cast<double>(turn.size());
+        for (float& number : slope_) number /= static_cast<float>(end - begin);
+        network_.backward(policy, one.state, slope_, gradient);
+      }
+      adam.step(gradient, options_.learning_rate, policy.weights);
+      for (std::size_t w = 0; w < average.weights.size(); ++w)
+        average.weights[w] += kAveraged * (policy.weights[w] - average.weights[w]);
+      outcome_.stop = budget_.expired();
+      if (outcome_.stop != Stop::None) return;
+    }
+  }
+
+  std::span<const TransitionSystem* const> systems_;
+  const ImitationOptions& options_;
+  const Budget& budget_;
+  const std::function<void(const ImitationRecord&)>& log_;
+  const Stopwatch watch_;
+  SplitMix64 random_;
+  std::vector<std::size_t> order_;
+  std::size_t held_out_;
+  Imitation outcome_;
+  ImitationRecord record_;
+  std::vector<LabelledState> lessons_;
+  std::vector<LabelledState> exam_;
+  GraphNetwork network_;
+  std::vector<float> slope_;
+};
+
 }  // namespace
 
 std::optional<std::vector<double>> action_losses(const TransitionSystem& system,
@@ -206,8 +336,10 @@ std::optional<std::vector<double>> action_losses(const TransitionSystem& system,
 }
 
 std::vector<LabelledState> label_states(const TransitionSystem& system, std::size_t states,
-                                        std::uint64_t seed, const Budget& budget) {
+                                        std::uint64_t seed, const Budget& budget,
+                                        const GraphPolicy* own) {
   std::vector<LabelledState> labelled;
+  GraphNetwork network;
   SplitMix64 random(seed);
   Expander expander(system);
   GraphObserver observer(system);
@@ -228,7 +360,12 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
       const bool asks = wants && actions.size() > 1 && open.size() < too_many;
       const double kind = random.uniform();
       std::size_t next = random.below(actions.size());
-      if (kind < kGreedyShare) {
+      if (own != nullptr) {
+        const GraphState state = observer.observe(open.view(), actions);
+        const std::span<const float> worth = network.worth(*own, state);
+        if (kind >= kRandomShare)
+          next = static_cast<std::size_t>(std::ranges::max_element(worth) - worth.begin());
+      } else if (kind < kGreedyShare) {
         next = static_cast<std::size_t>(std::ranges::max_element(actions, {}, &Action::reward) -
                                         actions.begin());
       }
@@ -244,7 +381,7 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
             one.loss.push_back(static_cast<float>(loss));
           }
           if (choice) labelled.push_back(std::move(one));
-          if (kind >= kRightFrom) next = best;
+          if (own == nullptr && kind >= kRightFrom) next = best;
         } else if (oracle.value(open).value) {
           break;  // no plan from here
         }
@@ -262,85 +399,12 @@ std::vector<LabelledState> label_states(const TransitionSystem& system, std::siz
 }
 
 Imitation imitate(std::span<const TransitionSystem* const> systems, const ImitationOptions& options,
-                  const Budget& budget, const std::function<void(const ImitationRecord&)>& log) {
+                  const Budget& budget, const std::function<void(const ImitationRecord&)>& log,
+                  const GraphPolicy* resume) {
   for (const TransitionSystem* system : systems) {
     if (const auto reason = graph_policy_obstacle(*system)) throw Refusal("train", *reason);
   }
-  const Stopwatch watch;
-  Imitation outcome{GraphPolicy::untrained(options.seed), {}, Stop::None};
-  SplitMix64 random(options.seed);
-  std::vector<std::size_t> order(systems.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  shuffle(order, random);
-  const std::size_t held_out =
-      systems.size() < 2 ? 0 : std::max<std::size_t>(1, systems.size() / 5);
-  std::vector<LabelledState> lessons;
-  std::vector<LabelledState> exam;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    std::vector<LabelledState>& to = i < held_out ? exam : lessons;
-    for (LabelledState& one :
-         label_states(*systems[order[i]], options.states, random.next(), budget))
-      to.push_back(std::move(one));
-    if (budget.expired() != Stop::None) break;
-  }
-  outcome.stop = budget.expired();
-  if (exam.empty()) exam = lessons;
-  if (lessons.empty()) return outcome;
-
-  GraphPolicy policy = outcome.policy;
-  GraphNetwork network;
-  detail::Adam adam(policy.weights.size());
-  std::vector<float> gradient(policy.weights.size());
-  std::vector<float> slope;
-  std::vector<std::size_t> turn(lessons.size());
-  for (std::size_t i = 0; i < turn.size(); ++i) turn[i] = i;
-  ImitationRecord record;
-  record.problems = systems.size() - held_out;
-  record.held_out_problems = held_out;
-  record.states = lessons.size();
-  record.held_out_states = exam.size();
-  const auto examine = [&] {
-    record.held_out_loss = 0;
-    record.held_out_right = 0;
-    const double share = 1.0 / static_cast<double>(exam.size());
-    for (const LabelledState& one : exam) {
-      const std::span<const float> worth = network.worth(policy, one.state);
-      record.held_out_loss += share * loss_of(one, worth, slope);
-      if (one.loss[best_settled(one, worth)] == 0) record.held_out_right += share;
-    }
-    record.seconds = watch.seconds();
-  };
-  examine();
-  outcome.best = record;
-  if (log) log(record);
-  for (std::size_t epoch = 1;
-       epoch <= options.most_epochs && epoch <= outcome.best.epoch + options.patience; ++epoch) {
-    shuffle(turn, random);
-    record.epoch = epoch;
-    record.loss = 0;
-    for (std::size_t begin = 0; begin < turn.size() && outcome.stop == Stop::None;
-         begin += kBatch) {
-      const std::size_t end = std::min(begin + kBatch, turn.size());
-      std::ranges::fill(gradient, 0.0F);
-      for (std::size_t i = begin; i < end; ++i) {
-        const LabelledState& one = lessons[turn[i]];
-        record.loss += loss_of(one, network.worth(policy, one.state), slope) /
-                       static_cast<double>(turn.size());
-        for (float& number : slope) number /= static_cast<float>(end - begin);
-        network.backward(policy, one.state, slope, gradient);
-      }
-      adam.step(gradient, options.learning_rate, policy.weights);
-      outcome.stop = budget.expired();
-    }
-    if (outcome.stop != Stop::None) break;
-    examine();
-    if (record.held_out_loss < outcome.best.held_out_loss - kLeastGain) {
-      outcome.best = record;
-      outcome.policy = policy;
-    }
-    if (log) log(record);
-  }
-  return outcome;
+  return Pupil(systems, options, budget, log, resume).learn();
 }
 
 }  // namespace orasp

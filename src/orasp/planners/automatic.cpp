@@ -176,7 +176,7 @@ class PieceTurns {
 
 /// `system` is `forwards`, or that backwards, where more is known about what is still to come.
 Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
-              const Budget& budget, const Result* known) {
+              const Budget& budget, const Result* known, const MakeAdvice* advice) {
   const ConnectionSet start = system.start();
   // A result of the system forwards, as one of `system`.
   const auto turned = [&](Result result) {
@@ -267,10 +267,12 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
       if (deep.stop != Stop::ExpansionLimit) stop = deep.stop;
       if (findings.settled() || stop != Stop::None) break;
     }
-    const Result passes =
-        beam(system,
-             {.like = pieces.get(), .incumbent = &findings.best(), .most = *findings.best().bound},
-             some);
+    const Result passes = beam(system,
+                               {.like = pieces.get(),
+                                .incumbent = &findings.best(),
+                                .advice = advice,
+                                .most = *findings.best().bound},
+                               some);
     findings.add(passes);
     stop = passes.stop == Stop::ExpansionLimit && some.max_expansions < budget.max_expansions
                ? Stop::None
@@ -295,15 +297,16 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
 }  // namespace
 
 Result automatic(const TransitionSystem& system, std::uint64_t seed, const Budget& budget,
-                 const Result* known) {
+                 const Result* known, const MakeAdvice* advice) {
   if (system.wide()) {
     Result result = detail::wide_automatic(system, budget);
     result.seed = seed;
     return result;
   }
   if (auto result = detail::infeasible_at_once(system, "auto")) return *result;
-  Result result = detail::from_the_end(
-      system, [&](const TransitionSystem& from) { return chosen(system, from, budget, known); });
+  Result result = detail::from_the_end(system, [&](const TransitionSystem& from) {
+    return chosen(system, from, budget, known, advice);
+  });
   if (result.status == Status::Unknown && result.stop != Stop::None) {
     // The limit was over before there was a plan: the bound may take longer than it allows.
     const Result quick =

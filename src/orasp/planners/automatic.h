@@ -1,6 +1,7 @@
 #pragma once
 
 #include "orasp/model/transition_system.h"
+#include "orasp/planners/step_advice.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
@@ -22,7 +23,9 @@ inline constexpr double kAutomaticMostActions = 2e8;
 ///             bound proved. The same for any number of threads, unless a limit stops it.
 /// @param known  A plan to begin with, or null: only better ones are looked for. Not where
 ///               TransitionSystem::wide().
+/// @param advice  Or null: BeamOptions::advice of its turns with beam.
 [[nodiscard]] Result automatic(const TransitionSystem& system, std::uint64_t seed,
-                               const Budget& budget, const Result* known = nullptr);
+                               const Budget& budget, const Result* known = nullptr,
+                               const MakeAdvice* advice = nullptr);
 
 }  // namespace orasp

@@ -14,6 +14,7 @@
 #include "orasp/containers/parallel.h"
 #include "orasp/graph/state_graph.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/advised_pass.h"
 #include "orasp/planners/detail/crew.h"
 #include "orasp/planners/detail/crew_cut.h"
 #include "orasp/planners/detail/order_search.h"
@@ -57,6 +58,10 @@ class BeamSearch {
         worker.in_front = std::make_unique<detail::StepInFront>(system, by_places.prices);
     }
     if (by_places.prices) orders_ = std::make_unique<detail::OrderSearch>(system, by_places.prices);
+    if (options.advice != nullptr && crew_ == nullptr && !system.completes_first()) {
+      advised_ = std::make_unique<detail::AdvisedPass>(
+          system, *options.advice, options.bound, workers_.front().bound.get(), budget.threads);
+    }
   }
 
   [[nodiscard]] bool bounded() const { return bounded_; }
@@ -75,6 +80,7 @@ class BeamSearch {
       proved_ = std::min(proved_, std::max(left_out, result_.reward));
       if (left_out > -kInfinity && !meets_bound()) improve_order();
       done_ = left_out == -kInfinity || meets_bound();
+      if (!done_ && advised_) follow_advice();
     }
     if (std::isfinite(proved_)) result_.bound = proved_;
     std::array<std::uint64_t, 2> counts = {merged_, reopened_};
@@ -111,6 +117,28 @@ class BeamSearch {
     for (Worker& worker : workers_) {
       worker.form = form_;
       worker.in_front.reset();  // it compares states as they are
+    }
+  }
+
+  // Between two passes: passes by advice, each twice as wide as the one before, as long as a
+  // question costs less than so many expansions that were made.
+  void follow_advice() {
+    constexpr std::uint64_t kExpansionsForQuestion = 64;
+    constexpr double kLoose = 1e-3;
+    const auto loose = [&] {
+      return !bounded_ || !result_.has_plan() ||
+             proved_ - result_.reward > kLoose * std::max(1.0, std::abs(proved_));
+    };
+    while (!done_ && result_.stop == Stop::None && loose() &&
+           (asked_ + advised_width_ * system_.num_steps()) * kExpansionsForQuestion <=
+               result_.statistics.expanded) {
+      const std::uint64_t before = result_.statistics.expanded;
+      const double left_out = advised_->run(advised_width_, tick_, budget_, result_);
+      asked_ += result_.statistics.expanded - before;
+      advised_width_ *= 2;
+      if (result_.stop != Stop::None) return;
+      proved_ = std::min(proved_, std::max(left_out, result_.reward));
+      done_ = left_out == -kInfinity || meets_bound();
     }
   }
 
@@ -849,6 +877,10 @@ class BeamSearch {
   /// Where rewards depend on when steps come; and the reward of the last plan that it improved.
   std::unique_ptr<detail::OrderSearch> orders_;
   double improved_ = kInfinity;
+  /// Where there is advice: the width of its next pass, and how many questions it was asked.
+  std::unique_ptr<detail::AdvisedPass> advised_;
+  std::size_t advised_width_ = 2;
+  std::uint64_t asked_ = 0;
   /// Promises that differ by less than this are equal.
   double tick_ = 1;
   /// The least upper bound on any plan that was proved.
