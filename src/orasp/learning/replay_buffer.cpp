@@ -5,9 +5,7 @@
 namespace orasp {
 
 ReplayBuffer::ReplayBuffer(std::size_t capacity, std::size_t connections)
-    : capacity_(std::max<std::size_t>(capacity, 1)),
-      connections_(connections),
-      words_(words_for(connections)) {}
+    : ring_(capacity), connections_(connections), words_(words_for(connections)) {}
 
 std::size_t ReplayBuffer::bytes_per_step(std::size_t connections) {
   return sizeof(Step) + words_for(connections) * sizeof(std::uint64_t) +
@@ -36,31 +34,30 @@ void ReplayBuffer::Episode::clear() {
 }
 
 void ReplayBuffer::add(const Episode& episode, bool dead_end) {
-  const std::size_t length = episode.steps_.size();
-  const std::size_t first = length > capacity_ ? length - capacity_ : 0;
+  std::vector<Step> steps = episode.steps_;
+  const std::size_t length = steps.size();
   double rest = 0;
-  for (std::size_t t = length; t-- > first;) rest += episode.steps_[t].reward;
-  for (std::size_t t = first; t < length; ++t) {
-    if (next_ == steps_.size()) {
-      steps_.emplace_back();
-      states_.resize(states_.size() + words_);
-      rewards_.resize(rewards_.size() + connections_);
-    }
-    Step& step = steps_[next_];
-    step = episode.steps_[t];
+  for (std::size_t t = length; t-- > 0;) rest += steps[t].reward;
+  for (std::size_t t = 0; t < length; ++t) {
+    Step& step = steps[t];
     step.rest = rest;
     step.left = static_cast<std::uint32_t>(length - 1 - t);
     step.dead_end = dead_end;
     rest -= step.reward;
-    const auto copy_row = [](const auto& from, std::size_t row, auto& to, std::size_t place,
-                             std::size_t width) {
-      std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(row * width), width,
-                  to.begin() + static_cast<std::ptrdiff_t>(place * width));
-    };
-    copy_row(episode.states_, t, states_, next_, words_);
-    copy_row(episode.rewards_, t, rewards_, next_, connections_);
-    next_ = (next_ + 1) % capacity_;
   }
+  const auto copy_row = [](const auto& from, std::size_t row, auto& to, std::size_t place,
+                           std::size_t width) {
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(row * width), width,
+                to.begin() + static_cast<std::ptrdiff_t>(place * width));
+  };
+  ring_.add(steps, [&](std::size_t place, std::size_t t) {
+    if (states_.size() < (place + 1) * words_) {
+      states_.resize((place + 1) * words_);
+      rewards_.resize((place + 1) * connections_);
+    }
+    copy_row(episode.states_, t, states_, place, words_);
+    copy_row(episode.rewards_, t, rewards_, place, connections_);
+  });
 }
 
 }  // namespace orasp

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "orasp/containers/episode_ring.h"
 #include "orasp/model/random.h"
 #include "orasp/model/transition_system.h"
 
@@ -38,9 +39,9 @@ class ReplayBuffer {
   ReplayBuffer(std::size_t capacity, std::size_t connections);
 
   [[nodiscard]] static std::size_t bytes_per_step(std::size_t connections);
-  [[nodiscard]] std::size_t capacity() const { return capacity_; }
+  [[nodiscard]] std::size_t capacity() const { return ring_.capacity(); }
   /// Steps held.
-  [[nodiscard]] std::size_t size() const { return steps_.size(); }
+  [[nodiscard]] std::size_t size() const { return ring_.size(); }
 
   /// An episode while it is played, to be added when it is over.
   class Episode {
@@ -65,7 +66,7 @@ class ReplayBuffer {
 
   /// Any step held, each as likely.
   [[nodiscard]] std::size_t sample(SplitMix64& random) const { return random.below(size()); }
-  [[nodiscard]] const Step& step(std::size_t place) const { return steps_[place]; }
+  [[nodiscard]] const Step& step(std::size_t place) const { return ring_[place]; }
   [[nodiscard]] SetView open(std::size_t place) const {
     return SetView(states_).subspan(place * words_, words_);
   }
@@ -75,16 +76,13 @@ class ReplayBuffer {
   }
   /// The step `ahead` later in the same episode; `ahead` at most step(place).left.
   [[nodiscard]] std::size_t later(std::size_t place, std::size_t ahead) const {
-    return (place + ahead) % capacity_;
+    return ring_.later(place, ahead);
   }
 
  private:
-  std::size_t capacity_;
+  EpisodeRing<Step> ring_;
   std::size_t connections_;
   std::size_t words_;
-  /// Where the next step goes.
-  std::size_t next_ = 0;
-  std::vector<Step> steps_;
   /// The states, of shape [capacity, words], and the rewards of their legal actions, of shape
   /// [capacity, connections].
   std::vector<std::uint64_t> states_;

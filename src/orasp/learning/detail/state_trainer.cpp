@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "orasp/containers/episode_ring.h"
 #include "orasp/learning/detail/observed_columns.h"
 #include "orasp/learning/detail/training_loop.h"
 #include "orasp/learning/detail/transition_cache.h"
@@ -31,34 +32,7 @@ struct Remembered {
   double rest = 0;  ///< what the episode earned from this step on; -infinity where it got stuck
 };
 
-/// The steps of past episodes, the oldest overwritten first.
-class Memory {
- public:
-  explicit Memory(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 1)) {}
-  [[nodiscard]] std::size_t size() const { return steps_.size(); }
-  [[nodiscard]] const Remembered& operator[](std::size_t place) const { return steps_[place]; }
-  /// The step `ahead` later in the same episode.
-  [[nodiscard]] std::size_t later(std::size_t place, std::size_t ahead) const {
-    return (place + ahead) % capacity_;
-  }
-  /// Of an episode longer than there is room its end.
-  void add(std::span<const Remembered> episode) {
-    for (const Remembered& step : episode.last(std::min(episode.size(), capacity_))) {
-      if (next_ == steps_.size()) steps_.emplace_back();
-      steps_[next_] = step;
-      next_ = (next_ + 1) % capacity_;
-    }
-  }
-  void clear() {
-    steps_.clear();
-    next_ = 0;
-  }
-
- private:
-  std::size_t capacity_;
-  std::size_t next_ = 0;
-  std::vector<Remembered> steps_;
-};
+using Memory = EpisodeRing<Remembered>;
 
 class StateTrainer final : public TrainingLoop {
  public:
