@@ -24,8 +24,8 @@ class EpisodeRing {
     return (place + ahead) % capacity_;
   }
 
-  /// Remembers an episode; of one longer than the ring its end. Calls placed(place, t) for each step
-  /// t of it that is held now. A place that was not there before is size() - 1.
+  /// Remembers an episode; of one longer than the ring its end. Calls placed(place, t) for each
+  /// step t of it that is held now. A place that was not there before is size() - 1.
   template <class Placed>
   void add(std::span<const Step> episode, Placed&& placed) {
     const std::size_t first = episode.size() > capacity_ ? episode.size() - capacity_ : 0;
