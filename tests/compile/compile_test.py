@@ -65,7 +65,8 @@ REFUSED = {
                                            DELETED),
     "a fleet of a temporary problem": ("FleetProblem f(problem); use(f);", "FleetProblem f(make_problem()); use(f);", DELETED),
     "a task of a temporary problem": ("Task t(problem); use(t.whole());", "Task t(make_problem()); use(t.whole());", DELETED),
-    "an expander of a temporary fleet": ("FleetExpander e(fleet); use(e);", "FleetExpander e(FleetProblem{problem}); use(e);",
+    "an expander of a temporary fleet": ("FleetExpander<PartsIn<1>> e(fleet); use(e);",
+                                         "FleetExpander<PartsIn<1>> e(FleetProblem{problem}); use(e);",
                                          DELETED),
 }
 # Headers whose one example is a whole piece of code.

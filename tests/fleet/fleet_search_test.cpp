@@ -250,14 +250,45 @@ TEST(FleetSearch, AnswersTheSameTwice) {
   EXPECT_EQ(least_travel(small).fleet_plan, least_travel(small).fleet_plan);
 }
 
+/// A row of parts, each off the next along x, whose ids say nothing about where they are.
+ProblemSpec scrambled_row(std::size_t parts, std::size_t robots) {
+  std::vector<std::pair<int, int>> joined;
+  const auto place = [parts](std::size_t i) { return static_cast<int>(i * 7 % parts) + 1; };
+  for (std::size_t i = 0; i + 1 < parts; ++i) joined.emplace_back(place(i), place(i + 1));
+  ProblemSpec spec = instances::assembly(parts, joined);
+  for (Connection& connection : spec.connections) connection.axis = "-x";
+  spec.fleet = Fleet{.robots = robots, .depot = {}, .sites = {{1, 0}, {2, 0}, {3, 1}}};
+  spec.objective = Objective::named("makespan");
+  return spec;
+}
+
+// Rows of any names are of one shape, so that the search meets one state a length; the plan names
+// the parts again, which the check of plans confirms.
+TEST(FleetSearch, KnowsPiecesOfTheSameShape) {
+  const Result result = fewest_steps(Problem(scrambled_row(30, 6)));
+  EXPECT_EQ(result.status, Status::Optimal);
+  EXPECT_LT(result.statistics.states, 20'000U);
+}
+
+// One word, then two. A row on one site is freed at both ends.
+TEST(FleetSearch, TakesMorePartsThanAWordHasBits) {
+  for (const std::size_t parts : {60U, 66U}) {
+    ProblemSpec spec = scrambled_row(parts, 2);
+    spec.fleet->sites.resize(1);
+    const Result result = fewest_steps(Problem(spec));
+    EXPECT_EQ(result.status, Status::Optimal) << parts;
+    EXPECT_EQ(result.reward, -static_cast<double>(parts / 2)) << parts;
+  }
+}
+
 TEST(FleetSearch, SaysHowManyPartsItTakes) {
-  ProblemSpec spec = instances::assembly(65, {{1, 2}});
+  ProblemSpec spec = instances::assembly(1025, {{1, 2}});
   spec.connections[0].axis = "+x";
   spec.fleet = Fleet{.robots = 2, .depot = {}, .sites = {{1, 0}}};
   spec.objective = Objective::named("makespan");
   const Problem problem(spec);
   EXPECT_EQ(fault_of([&] { return fleet_search(FleetProblem(problem), {}, {}); }),
-            "fleet-search takes at most 64 parts; this problem has 65");
+            "fleet-search takes at most 1024 parts; this problem has 1025");
 }
 
 }  // namespace

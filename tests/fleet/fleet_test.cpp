@@ -274,19 +274,21 @@ TEST(FleetExpander, ListsEveryWayOutOfAStepOnce) {
   ProblemSpec spec = row();
   const Problem problem(spec);
   const FleetProblem fleet(problem);
-  FleetExpander expander(fleet);
-  ASSERT_EQ(expander.start(), std::vector<PartMask>{0b111});
+  FleetExpander<std::uint64_t> expander(fleet);
+  ASSERT_EQ(expander.start(), std::vector<std::uint64_t>{0b111});
   std::vector<std::string> found;
-  expander.for_each_split(0b111, 0, {.robots = 3, .held = 3}, [&](const FleetSplit& split) {
-    std::string text = std::to_string(split.stays) + "/" + std::to_string(split.freed);
-    for (const PartMask block : split.moved) text += "/" + std::to_string(block);
-    found.push_back(text);
-    std::vector<Motion> motions(3, kStay);
-    EXPECT_TRUE(expander.motions(0b111, 0, split, motions));
-    for (ConnectionIndex c = 0; c < 2; ++c)
-      EXPECT_TRUE(motions[c] == motions[c + 1] || fleet.pulls_apart(c, motions[c], motions[c + 1]));
-    return true;
-  });
+  expander.for_each_split(
+      0b111, 0, {.robots = 3, .held = 3}, [&](const FleetSplit<std::uint64_t>& split) {
+        std::string text = std::to_string(split.stays) + "/" + std::to_string(split.freed);
+        for (const std::uint64_t block : split.moved) text += "/" + std::to_string(block);
+        found.push_back(text);
+        std::vector<Motion> motions(3, kStay);
+        EXPECT_TRUE(expander.motions(0b111, 0, split, motions));
+        for (ConnectionIndex c = 0; c < 2; ++c)
+          EXPECT_TRUE(motions[c] == motions[c + 1] ||
+                      fleet.pulls_apart(c, motions[c], motions[c + 1]));
+        return true;
+      });
   std::ranges::sort(found);
   // Waiting; part 1 or part 3 off what stays; the pair that moves off a single part; the whole
   // moves; all come apart.

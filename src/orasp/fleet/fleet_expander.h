@@ -7,35 +7,23 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "orasp/fleet/fleet.h"
+#include "orasp/fleet/part_set.h"
 
 namespace orasp {
 
-/// A set of parts: bit i stands for part i.
-using PartMask = std::uint64_t;
-[[nodiscard]] constexpr std::size_t size_of(PartMask parts) {
-  return static_cast<std::size_t>(std::popcount(parts));
-}
-
-/// The largest fleet problem whose steps are worked out by masks.
-inline constexpr std::size_t kFleetMaxParts = 64;
-
-/// Calls `visit(part)` for each part of a mask, ascending.
-template <class Visit>
-void for_each_part(PartMask parts, Visit&& visit) {
-  for (; parts != 0; parts &= parts - 1) visit(static_cast<std::size_t>(std::countr_zero(parts)));
-}
-
 /// How a subassembly comes out of a step.
+template <class Parts>
 struct FleetSplit {
-  PartMask stays = 0;               ///< the block that no robot holds; 0: none
-  PartMask freed = 0;               ///< single parts, each held, bound for the depot
-  std::span<const PartMask> moved;  ///< blocks of two or more parts, held and moving
-  std::size_t held = 0;             ///< parts of all moved blocks
+  Parts stays = 0;               ///< the block that no robot holds; 0: none
+  Parts freed = 0;               ///< single parts, each held, bound for the depot
+  std::span<const Parts> moved;  ///< blocks of two or more parts, held and moving
+  std::size_t held = 0;          ///< parts of all moved blocks
 
   [[nodiscard]] std::size_t robots() const { return held + size_of(freed); }
 };
@@ -52,25 +40,35 @@ struct FleetSplit {
 ///        not depend on them.
 /// Cost.  Splits are listed without motions, each once. Subassemblies are remembered with their
 ///        clusters.
-/// Owns its memory; refers to the problem. For one thread.
+/// Owns its memory; refers to the problem. For one thread. `Parts` is a PartsIn for the product:
+/// sets of parts as long as it needs.
+template <class Parts>
 class FleetExpander {
  public:
-  /// @throws InputError above kFleetMaxParts parts.
+  /// @throws InputError above kMostParts<Parts> parts.
   explicit FleetExpander(const FleetProblem& fleet);
   // A fleet that goes out of scope at once.
   explicit FleetExpander(const FleetProblem&&) = delete;
 
   [[nodiscard]] const FleetProblem& fleet() const { return *fleet_; }
   /// The subassemblies of the start, by their first part.
-  [[nodiscard]] const std::vector<PartMask>& start() const { return start_; }
+  [[nodiscard]] const std::vector<Parts>& start() const { return start_; }
   /// The parts that `part` is joined to at the start.
-  [[nodiscard]] PartMask neighbours(std::size_t part) const { return adjacent_[part]; }
+  [[nodiscard]] Parts neighbours(std::size_t part) const { return adjacent_[part]; }
+
+  /// The direction in which `part` comes off `other`, which it is joined to; empty if it cannot.
+  [[nodiscard]] std::optional<std::size_t> axis_between(std::size_t part, std::size_t other) const;
+  [[nodiscard]] bool has_blocking() const { return has_blocking_; }
+  /// The parts that block `part` along each direction.
+  [[nodiscard]] const std::array<Parts, 6>& blockers(std::size_t part) const {
+    return blockers_[part];
+  }
 
   /// The connections of one subassembly that precedence forbids to cut now, as a number: 0 for
   /// none.
   using Locks = std::uint32_t;
   /// `all` are the subassemblies that there are, `subassembly` is one of them.
-  [[nodiscard]] Locks locks(std::span<const PartMask> all, PartMask subassembly) {
+  [[nodiscard]] Locks locks(std::span<const Parts> all, Parts subassembly) {
     return has_precedence() ? locks_under_precedence(all, subassembly) : 0;
   }
   [[nodiscard]] bool has_precedence() const { return !fleet_->problem().precedence().empty(); }
@@ -79,14 +77,14 @@ class FleetExpander {
   struct Means {
     std::size_t robots = 0;
     std::size_t held = 0;  ///< robots on moved blocks
-    std::size_t cluster =
-        kFleetMaxParts;  ///< parts of a cluster; fewer than the robots: not every split is listed
+    std::size_t cluster = kMostParts<
+        Parts>;  ///< parts of a cluster; fewer than the robots: not every split is listed
   };
   /// Calls `visit(const FleetSplit&)`, which says whether to go on, for every way in which
   /// `subassembly` can come out of a step. Waiting is one of them, and so is moving the whole.
   /// @returns false if it was told to end.
   template <class Visit>
-  bool for_each_split(PartMask subassembly, Locks locks, const Means& means, Visit&& visit);
+  bool for_each_split(Parts subassembly, Locks locks, const Means& means, Visit&& visit);
 
   /// `interrupted` is asked now and then while the clusters of a large subassembly are worked out;
   /// once it says yes, splits are missing.
@@ -95,7 +93,7 @@ class FleetExpander {
   /// Motions that make the split happen, written to the entries of its parts. @returns whether
   /// there are any: so it is for every split that for_each_split lists, and for no other, but for
   /// the number of robots.
-  [[nodiscard]] bool motions(PartMask subassembly, Locks locks, const FleetSplit& split,
+  [[nodiscard]] bool motions(Parts subassembly, Locks locks, const FleetSplit<Parts>& split,
                              std::span<Motion> motions) const;
 
   /// Memory of what is remembered.
@@ -105,23 +103,23 @@ class FleetExpander {
   /// Parts that move along each direction, and what stands in their way there; only where the
   /// problem has blocking.
   struct Way {
-    std::array<PartMask, 6> along{};
-    std::array<PartMask, 6> blockers{};
+    std::array<Parts, 6> along{};
+    std::array<Parts, 6> blockers{};
 
     void add(const Way& other);
-    [[nodiscard]] bool free(PartMask within) const;
+    [[nodiscard]] bool free(Parts within) const;
   };
   /// One way in which a cluster, or a whole subassembly, moves.
   struct Option {
-    PartMask freed = 0;
+    Parts freed = 0;
     std::uint32_t first_moved = 0;
-    std::uint8_t num_moved = 0;
-    std::uint8_t held = 0;
+    std::uint16_t num_moved = 0;
+    std::uint16_t held = 0;
     std::uint32_t way = 0;
   };
   struct Cluster {
-    PartMask parts = 0;
-    PartMask near = 0;  ///< parts and their neighbours
+    Parts parts = 0;
+    Parts near = 0;  ///< parts and their neighbours
     std::uint32_t first_option = 0;
     std::uint32_t num_options = 0;
   };
@@ -130,42 +128,43 @@ class FleetExpander {
     std::vector<Cluster> clusters;  ///< that leave a block behind, small ones first
     std::vector<Option> options;    ///< of the clusters, few held first
     std::vector<Option> whole;      ///< ways in which every part is held
-    std::vector<PartMask> moved;
+    std::vector<Parts> moved;
     std::vector<Way> ways;
+    bool is_tree = false;  ///< so clusters that do not touch leave one block behind
   };
   struct Key {
-    PartMask parts;
+    Parts parts;
     Locks locks;
     std::uint32_t cluster;  ///< the most parts of one
     friend bool operator==(const Key&, const Key&) = default;
   };
   struct KeyHash {
     std::size_t operator()(const Key& key) const noexcept {
-      return static_cast<std::size_t>(
-          mixed(key.parts + (key.locks * std::uint64_t{kFleetMaxParts + 1} + key.cluster) *
-                                0x9e3779b97f4a7c15ULL));
+      return static_cast<std::size_t>(mixed(
+          hash_of(key.parts) + (key.locks * std::uint64_t{kMostParts<Parts> + 1} + key.cluster) *
+                                   0x9e3779b97f4a7c15ULL));
     }
   };
   class Lister;
 
-  [[nodiscard]] Locks locks_under_precedence(std::span<const PartMask> all, PartMask subassembly);
-  const Known& known(PartMask subassembly, Locks locks, std::size_t cluster);
-  [[nodiscard]] PartMask reached(PartMask from, PartMask within) const;
+  [[nodiscard]] Locks locks_under_precedence(std::span<const Parts> all, Parts subassembly);
+  const Known& known(Parts subassembly, Locks locks, std::size_t cluster);
+  [[nodiscard]] Parts reached(Parts from, Parts within) const;
   /// Motions that part i may have next to a part j that moves by `motion`; 0 if they are not
   /// joined.
   [[nodiscard]] unsigned allowed_beside(std::size_t i, std::size_t j, Motion motion,
-                                        const std::vector<PartMask>& rigid) const;
-  [[nodiscard]] bool liftable(PartMask block) const;
-  [[nodiscard]] std::vector<PartMask> rigid(Locks locks) const;
+                                        const std::vector<Parts>& rigid) const;
+  [[nodiscard]] bool liftable(Parts block) const;
+  [[nodiscard]] std::vector<Parts> rigid(Locks locks) const;
 
   const FleetProblem* fleet_;
   std::size_t num_parts_;
-  std::vector<PartMask> start_;
-  std::vector<PartMask> adjacent_;
+  std::vector<Parts> start_;
+  std::vector<Parts> adjacent_;
   std::vector<std::uint8_t>
       axis_;  ///< of part i off part j, at i * parts + j; kNever if they cannot be parted
-  std::vector<PartMask> never_;  ///< neighbours that cannot be pulled off
-  std::vector<std::array<PartMask, 6>> blockers_;
+  std::vector<Parts> never_;  ///< neighbours that cannot be pulled off
+  std::vector<std::array<Parts, 6>> blockers_;
   bool has_blocking_ = false;
   std::size_t most_moved_parts_;
   double most_moved_mass_;
@@ -175,33 +174,44 @@ class FleetExpander {
   std::unordered_map<Key, Known, KeyHash> known_;
   Known interrupted_listing_;  ///< not complete, so not remembered
   std::function<bool()> interrupted_;
+  std::vector<Parts> moved_;   ///< blocks of the splits that are being visited
+  std::size_t num_moved_ = 0;  ///< of the outer ones
   std::uint64_t bytes_ = 0;
 };
 
+template <class Parts>
 template <class Visit>
-bool FleetExpander::for_each_split(PartMask subassembly, Locks locks, const Means& means,
-                                   Visit&& visit) {
+bool FleetExpander<Parts>::for_each_split(Parts subassembly, Locks locks, const Means& means,
+                                          Visit&& visit) {
   const Known& ways = known(subassembly, locks, std::min(means.cluster, fleet_->robots()));
-  std::array<PartMask, kFleetMaxParts / 2> moved;
+  // Those of the splits that are being visited come first.
+  const std::span<Parts> moved = std::span(moved_).subspan(num_moved_);
 
   struct Chosen {
-    PartMask held_parts = 0;
-    PartMask near = 0;
-    PartMask freed = 0;
+    Parts held_parts = 0;
+    Parts near = 0;
+    Parts freed = 0;
     std::size_t robots;
     std::size_t held;
     std::size_t num_moved = 0;
   };
+  const auto visited = [&](const FleetSplit<Parts>& split) {
+    num_moved_ += split.stays != 0 ? split.moved.size() : 0;
+    const bool goes_on = visit(split);
+    num_moved_ -= split.stays != 0 ? split.moved.size() : 0;
+    return goes_on;
+  };
   const auto descend = [&](auto& self, std::size_t next, const Chosen& chosen,
                            const Way& way) -> bool {
-    const PartMask stays = subassembly & ~chosen.held_parts;
-    if ((stays & (stays - 1)) == 0) return true;  // the rest is no block of two parts or more
-    if (chosen.held_parts != 0 && reached(stays & (~stays + 1), stays) != stays) return true;
+    const Parts stays = subassembly & ~chosen.held_parts;
+    if (without_first(stays) == 0) return true;  // the rest is no block of two parts or more
+    if (!ways.is_tree && chosen.held_parts != 0 && reached(lowest(stays), stays) != stays)
+      return true;
     if ((!has_blocking_ || way.free(subassembly)) &&
-        !visit(FleetSplit{.stays = stays,
-                          .freed = chosen.freed,
-                          .moved = {moved.data(), chosen.num_moved},
-                          .held = means.held - chosen.held}))
+        !visited({.stays = stays,
+                  .freed = chosen.freed,
+                  .moved = moved.first(chosen.num_moved),
+                  .held = means.held - chosen.held}))
       return false;
     for (std::size_t c = next; c < ways.clusters.size(); ++c) {
       const Cluster& cluster = ways.clusters[c];
@@ -235,10 +245,10 @@ bool FleetExpander::for_each_split(PartMask subassembly, Locks locks, const Mean
   if (size_of(subassembly) > means.robots) return true;
   for (const Option& option : ways.whole) {
     if (option.held > means.held) break;
-    if (!visit(FleetSplit{.stays = 0,
-                          .freed = option.freed,
-                          .moved = {ways.moved.data() + option.first_moved, option.num_moved},
-                          .held = option.held}))
+    if (!visited({.stays = 0,
+                  .freed = option.freed,
+                  .moved = {ways.moved.data() + option.first_moved, option.num_moved},
+                  .held = option.held}))
       return false;
   }
   return true;

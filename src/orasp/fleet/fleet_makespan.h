@@ -10,6 +10,7 @@
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/fleet/fleet_expander.h"
+#include "orasp/fleet/fleet_shapes.h"
 #include "orasp/task/budget.h"
 
 namespace orasp {
@@ -31,21 +32,30 @@ namespace orasp {
 /// Guarantee.  Exact. Every answer but a stop is proved.
 /// Cost.       Exponential. Memory: 8 bytes for each subassembly that may be there, and about 30
 ///             more, a state.
+template <class Parts>
 class FleetMakespanSearch {
  public:
   using StateNumber = std::uint32_t;
-  static constexpr std::uint8_t kNoPlan = std::numeric_limits<std::uint8_t>::max();
+  using Shape = typename FleetShapes<Parts>::Shape;
+  static constexpr std::uint16_t kNoPlan = std::numeric_limits<std::uint16_t>::max();
+
+  /// Parts of a cluster for a first plan: few enough that every way to take it apart is listed at
+  /// once.
+  static constexpr std::size_t kFirstClusters = 4;
 
   /// Refers to both, which must outlive it.
-  FleetMakespanSearch(FleetExpander& expander, const Budget& budget);
+  FleetMakespanSearch(FleetExpander<Parts>& expander, const Budget& budget);
   ~FleetMakespanSearch() { expander_.set_interrupt({}); }
   FleetMakespanSearch(const FleetMakespanSearch&) = delete;
   FleetMakespanSearch& operator=(const FleetMakespanSearch&) = delete;
 
-  /// Number of the state with these subassemblies. Their order does not matter.
-  StateNumber number_of(std::span<const PartMask> subassemblies);
-  /// The subassemblies of a state, in the order of the table; until the next state is numbered.
-  [[nodiscard]] std::span<const PartMask> pieces(StateNumber state) const;
+  /// Number of the state with subassemblies of these shapes. Their order does not matter.
+  StateNumber number_of(std::span<const Parts> subassemblies);
+  /// The same, from the shapes, which it sorts.
+  StateNumber number_of_shapes(std::span<Shape> shapes);
+  /// The shapes of a state, each by the subassembly that stands for it, in the order of the table.
+  [[nodiscard]] std::vector<Parts> pieces(StateNumber state) const;
+  [[nodiscard]] FleetShapes<Parts>& shapes() { return shapes_; }
   /// The most subassemblies that a state may have.
   [[nodiscard]] std::size_t most_pieces() const { return most_; }
   /// Steps that the state is proved to take at least; kNoPlan: it has no plan.
@@ -70,45 +80,58 @@ class FleetMakespanSearch {
   [[nodiscard]] std::uint64_t bytes() const;
   [[nodiscard]] std::uint64_t num_states() const { return table_.size(); }
 
-  /// The states of the plan behind upper(), the start first, the empty one last.
-  [[nodiscard]] std::vector<std::vector<PartMask>> plan_from(StateNumber start) const;
+  /// The subassemblies of the product in the plan behind upper(), the whole first, none last.
+  [[nodiscard]] std::vector<std::vector<Parts>> plan_from(StateNumber start);
 
  private:
   struct Node {
     StateNumber next = 0;      ///< on the way to a plan of `upper` steps
     std::uint32_t listed = 0;  ///< the last listing of successors that met it
-    std::uint8_t lower = 0;
-    std::uint8_t upper = kNoPlan;
+    std::uint16_t lower = 0;
+    std::uint16_t upper = kNoPlan;
   };
   struct Successor {
     StateNumber state;
     std::uint64_t rank;
   };
 
+  /// The shapes of a state, ascending.
+  [[nodiscard]] std::span<const std::uint64_t> shapes_of(StateNumber state) const;
+  /// The state of the shape at position `i` of another.
+  StateNumber alone(StateNumber state, std::size_t i);
   std::size_t raised_by_pieces(StateNumber state);
   /// What a step must do, for its successor to be listed.
   struct Demand {
-    std::size_t held;                      ///< at most so many robots on moved blocks
-    std::size_t freed = 0;                 ///< at least so many parts freed
-    std::size_t blocks;                    ///< at most so many subassemblies left
-    std::size_t cluster = kFleetMaxParts;  ///< at most so many parts in a cluster
+    std::size_t held;                         ///< at most so many robots on moved blocks
+    std::size_t freed = 0;                    ///< at least so many parts freed
+    std::size_t blocks;                       ///< at most so many subassemblies left
+    std::size_t cluster = kMostParts<Parts>;  ///< at most so many parts in a cluster
     std::size_t most = std::numeric_limits<std::size_t>::max();  ///< successors that are enough
   };
+  [[nodiscard]] Demand demand_of(StateNumber state, std::size_t steps) const;
+  /// Calls `visit(after, from)`, which says whether to go on, for every step that meets the demand:
+  /// the subassemblies after it, and the position in pieces(state) of the one each comes from.
+  template <class Visit>
+  void for_each_successor(StateNumber state, const Demand& demand, Visit&& visit);
   void list_successors(StateNumber state, const Demand& demand, std::vector<Successor>& successors);
   void improve(StateNumber state, StateNumber next);
   bool expired();
   /// The same, but it looks only now and then.
   bool expired_by_now() { return stop_ != Stop::None || (polls_++ % 64 == 0 && expired()); }
 
-  FleetExpander& expander_;
+  FleetExpander<Parts>& expander_;
   const Budget& budget_;
   const std::size_t robots_;
   const std::size_t most_;  ///< subassemblies of a state
+  FleetShapes<Parts> shapes_;
   detail::StateTable<0> table_;
   detail::GrowingArray<Node> nodes_;
+  std::vector<std::uint64_t> key_;  ///< of the state that is being numbered
+  std::vector<Shape> numbered_;     ///< its shapes
   std::vector<std::vector<Successor>> levels_;
   std::uint32_t listings_ = 0;
   std::uint64_t polls_ = 0;
+  bool is_replaying_ = false;  ///< the steps of a plan, whatever the time is
   Statistics statistics_;
   Stop stop_ = Stop::None;
 };

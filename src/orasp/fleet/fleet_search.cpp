@@ -14,9 +14,6 @@ namespace {
 
 /// States a layer of the widest beam: a few hundredths of a second.
 constexpr std::size_t kBeamWidth = 64;
-/// Parts of a cluster, for the first plan: few enough that every way to take it apart is listed at
-/// once.
-constexpr std::size_t kFirstClusters = 4;
 
 Statistics sum(const Statistics& a, const Statistics& b) {
   Statistics total = a;
@@ -38,16 +35,16 @@ std::string steps_text(std::size_t steps) {
   return std::to_string(steps) + (steps == 1 ? " step" : " steps");
 }
 
+template <class Parts>
 Result search(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
+  constexpr std::size_t kFirstClusters = FleetMakespanSearch<Parts>::kFirstClusters;
   Result result;
   result.method = "fleet-search";
-  if (const auto reason = fleet_search_obstacle(fleet, options))
-    throw Refusal("fleet-search", *reason);
-  FleetExpander expander(fleet);
+  FleetExpander<Parts> expander(fleet);
   if (const auto reason = fleet.infeasibility()) return infeasible(std::move(result), *reason);
 
-  FleetMakespanSearch makespan(expander, budget);
-  FleetTravelSearch travel(expander, makespan, budget);
+  FleetMakespanSearch<Parts> makespan(expander, budget);
+  FleetTravelSearch<Parts> travel(expander, makespan, budget);
   const auto start = makespan.number_of(expander.start());
   const auto finish = [&](Stop stop) {
     result.stop = result.status == Status::Optimal ? Stop::None : stop;
@@ -81,7 +78,7 @@ Result search(const FleetProblem& fleet, const FleetOptions& options, const Budg
   const std::size_t lower = makespan.lower(start);
   const std::size_t upper = makespan.upper(start);
   if (lower > allowed) {
-    const bool none_at_all = lower == FleetMakespanSearch::kNoPlan;
+    const bool none_at_all = lower == FleetMakespanSearch<Parts>::kNoPlan;
     result = infeasible(std::move(result),
                         none_at_all ? "with " + std::to_string(fleet.robots()) + " robots and " +
                                           std::to_string(fleet.num_sites()) +
@@ -144,7 +141,13 @@ std::optional<std::string> fleet_search_obstacle(const FleetProblem& fleet,
 
 Result fleet_search(const FleetProblem& fleet, const FleetOptions& options, const Budget& budget) {
   const Stopwatch watch;
-  Result result = search(fleet, options, budget);
+  if (const auto reason = fleet_search_obstacle(fleet, options))
+    throw Refusal("fleet-search", *reason);
+  const std::size_t parts = fleet.num_parts();
+  Result result = parts <= kMostParts<PartsIn<1>>   ? search<PartsIn<1>>(fleet, options, budget)
+                  : parts <= kMostParts<PartsIn<2>> ? search<PartsIn<2>>(fleet, options, budget)
+                  : parts <= kMostParts<PartsIn<4>> ? search<PartsIn<4>>(fleet, options, budget)
+                                                    : search<PartsIn<16>>(fleet, options, budget);
   result.statistics.seconds = watch.seconds();
   return result;
 }

@@ -23,14 +23,17 @@ constexpr std::uint64_t kExpansionsBeforeBeam = 5000;
 constexpr std::size_t kBeamWidth = 32;
 constexpr std::ptrdiff_t kPlacingsOfOneState = 2;
 
-double times(PartMask parts, double each) {
-  return static_cast<double>(std::popcount(parts)) * each;
+template <class Parts>
+double times(const Parts& parts, double each) {
+  return static_cast<double>(size_of(parts)) * each;
 }
 
 }  // namespace
 
-FleetTravelSearch::FleetTravelSearch(FleetExpander& expander, FleetMakespanSearch& makespan,
-                                     const Budget& budget)
+template <class Parts>
+FleetTravelSearch<Parts>::FleetTravelSearch(FleetExpander<Parts>& expander,
+                                            FleetMakespanSearch<Parts>& makespan,
+                                            const Budget& budget)
     : expander_(expander),
       makespan_(makespan),
       budget_(budget),
@@ -74,35 +77,46 @@ FleetTravelSearch::FleetTravelSearch(FleetExpander& expander, FleetMakespanSearc
   }
 }
 
-std::uint64_t FleetTravelSearch::bytes() const {
+template <class Parts>
+std::uint64_t FleetTravelSearch<Parts>::bytes() const {
   return table_.bytes() + nodes_.bytes() + makespan_.bytes();
 }
 
-bool FleetTravelSearch::expired() {
+template <class Parts>
+bool FleetTravelSearch<Parts>::expired() {
   if (stop_ == Stop::None) stop_ = budget_.expired(bytes(), statistics_.expanded);
   budget_.report({.phase = "travel", .done = statistics_.expanded, .states = num_states()});
   return stop_ != Stop::None;
 }
 
-double FleetTravelSearch::hops(std::span<const Placed> placed, std::size_t steps) const {
+template <class Parts>
+double FleetTravelSearch<Parts>::hops(std::span<const Placed> placed, std::size_t steps) const {
   double sum = 0;
   for (const Placed& piece : placed) sum += times(piece.parts, hop(piece.point, steps));
   return sum;
 }
 
-std::uint32_t FleetTravelSearch::number_of(std::span<const Placed> placed, std::size_t steps) {
-  std::array<PartMask, kFleetMaxParts / 2> pieces;
-  std::array<Placed, kFleetMaxParts / 2> sorted;
-  std::ranges::copy(placed, sorted.begin());
-  std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(placed.size()),
-            [](const Placed& a, const Placed& b) { return a.parts > b.parts; });
-  std::array<std::uint64_t, 1 + kFleetMaxParts / 2 / kPointsInWord> key{};
+template <class Parts>
+std::uint32_t FleetTravelSearch<Parts>::number_of(std::span<const Placed> placed,
+                                                  std::size_t steps) {
+  struct Standing {
+    Shape shape;
+    std::uint8_t point;
+    auto operator<=>(const Standing&) const = default;
+  };
+  std::vector<Standing> sorted(placed.size());
+  std::ranges::transform(placed, sorted.begin(), [this](const Placed& piece) {
+    return Standing{makespan_.shapes().of(piece.parts), piece.point};
+  });
+  std::ranges::sort(sorted);
+  std::vector<Shape> shapes(placed.size());
+  std::vector<std::uint64_t> key(1 + (makespan_.most_pieces() + kPointsInWord - 1) / kPointsInWord);
   for (std::size_t i = 0; i < placed.size(); ++i) {
-    pieces[i] = sorted[i].parts;
+    shapes[i] = sorted[i].shape;
     key[1 + i / kPointsInWord] |= std::uint64_t{sorted[i].point} << (i % kPointsInWord * 8);
   }
   if (placed.empty()) steps = 0;  // the end, whenever it comes
-  key[0] = makespan_.number_of({pieces.data(), placed.size()}) | std::uint64_t{steps} << 32;
+  key[0] = makespan_.number_of_shapes({shapes.data(), placed.size()}) | std::uint64_t{steps} << 32;
   const auto [number, is_new] = table_.insert(key.data());
   if (is_new) {
     nodes_.push_back(placed.empty()
@@ -112,10 +126,12 @@ std::uint32_t FleetTravelSearch::number_of(std::span<const Placed> placed, std::
   return number;
 }
 
-FleetTravelSearch::Places FleetTravelSearch::placed(std::uint32_t node) const {
+template <class Parts>
+typename FleetTravelSearch<Parts>::Places FleetTravelSearch<Parts>::placed(
+    std::uint32_t node) const {
   Places places;
   const std::uint64_t* const key = table_.key(node);
-  for (const PartMask piece : makespan_.pieces(state(node))) {
+  for (const Parts& piece : makespan_.pieces(state(node))) {
     const std::size_t i = places.size();
     places.push_back(
         {piece, static_cast<std::uint8_t>(key[1 + i / kPointsInWord] >> (i % kPointsInWord * 8))});
@@ -123,9 +139,10 @@ FleetTravelSearch::Places FleetTravelSearch::placed(std::uint32_t node) const {
   return places;
 }
 
+template <class Parts>
 template <class Visit>
-void FleetTravelSearch::for_each_placing(std::span<const PartMask> blocks, Places& placed,
-                                         Visit&& visit) const {
+void FleetTravelSearch<Parts>::for_each_placing(std::span<const Parts> blocks, Places& placed,
+                                                Visit&& visit) const {
   std::vector<std::size_t> room = room_;
   for (const Placed& piece : placed) {
     if (room[piece.point]-- == 0) return;
@@ -147,13 +164,14 @@ void FleetTravelSearch::for_each_placing(std::span<const PartMask> blocks, Place
   place(place, 0);
 }
 
-double FleetTravelSearch::list_successors(std::uint32_t node, double limit,
-                                          std::vector<Successor>& successors) {
+template <class Parts>
+double FleetTravelSearch<Parts>::list_successors(std::uint32_t node, double limit,
+                                                 std::vector<Successor>& successors) {
   ++statistics_.expanded;
   successors.clear();
   const std::size_t steps = steps_left(node);
   const Places before = placed(node);
-  std::vector<PartMask> pieces;
+  std::vector<Parts> pieces;
   std::size_t parts = 0;
   for (const Placed& piece : before) {
     pieces.push_back(piece.parts);
@@ -169,12 +187,12 @@ double FleetTravelSearch::list_successors(std::uint32_t node, double limit,
   };
 
   std::uint32_t work = 0;
-  std::array<Placed, kFleetMaxParts> standing;
+  std::vector<Placed> standing(expander_.fleet().num_parts());
   struct Lifted {
-    PartMask parts;
+    Parts parts;
     std::size_t point;  ///< that it comes from
   };
-  std::array<Lifted, kFleetMaxParts> lifted;
+  std::vector<Lifted> lifted(expander_.fleet().num_parts());
   std::vector<std::size_t> room = room_;
   struct Left {
     std::size_t robots;
@@ -227,7 +245,7 @@ double FleetTravelSearch::list_successors(std::uint32_t node, double limit,
     const auto locks = expander_.locks(pieces, piece.parts);
     expander_.for_each_split(
         piece.parts, locks, {.robots = left.robots, .held = left.held},
-        [&](const FleetSplit& split) {
+        [&](const FleetSplit<Parts>& split) {
           if (stop() != Stop::None || (++work % kWorkBetweenPolls == 0 && expired())) return false;
           const std::size_t more = split.moved.size() + (split.stays != 0 ? 1 : 0);
           if (more > left.blocks) return true;
@@ -261,7 +279,8 @@ double FleetTravelSearch::list_successors(std::uint32_t node, double limit,
   return least_cut;
 }
 
-double FleetTravelSearch::solve(std::uint32_t node, double limit) {
+template <class Parts>
+double FleetTravelSearch<Parts>::solve(std::uint32_t node, double limit) {
   if (nodes_[node].exact || nodes_[node].lower > limit + kTravelTolerance || stop() != Stop::None)
     return nodes_[node].lower;
   if (expired_by_now()) return nodes_[node].lower;
@@ -323,9 +342,10 @@ double FleetTravelSearch::solve(std::uint32_t node, double limit) {
   return known.lower;
 }
 
-void FleetTravelSearch::run(StateNumber start, std::size_t steps) {
+template <class Parts>
+void FleetTravelSearch<Parts>::run(StateNumber start, std::size_t steps) {
   const auto first = makespan_.pieces(start);
-  const std::vector<PartMask> pieces(first.begin(), first.end());
+  const std::vector<Parts> pieces(first.begin(), first.end());
   std::vector<std::uint32_t> starts;
   Places places;
   for_each_placing(pieces, places, [&] { starts.push_back(number_of(places, steps)); });
@@ -360,7 +380,8 @@ void FleetTravelSearch::run(StateNumber start, std::size_t steps) {
   }
 }
 
-void FleetTravelSearch::find_plan(const std::vector<std::uint32_t>& starts, Prefer prefer) {
+template <class Parts>
+void FleetTravelSearch<Parts>::find_plan(const std::vector<std::uint32_t>& starts, Prefer prefer) {
   struct Met {
     std::uint32_t node;
     std::size_t parent;  ///< position in the layer before
@@ -411,8 +432,9 @@ void FleetTravelSearch::find_plan(const std::vector<std::uint32_t>& starts, Pref
   }
 }
 
-void FleetTravelSearch::place_known_plan(StateNumber start) {
-  const std::vector<std::vector<PartMask>> states = makespan_.plan_from(start);
+template <class Parts>
+void FleetTravelSearch<Parts>::place_known_plan(StateNumber start) {
+  const std::vector<std::vector<Parts>> states = makespan_.plan_from(start);
   struct Placing {
     Places places;
     double cost = 0;
@@ -437,39 +459,39 @@ void FleetTravelSearch::place_known_plan(StateNumber start) {
   for (std::size_t t = 1; t < states.size(); ++t) {
     const std::size_t steps = states.size() - t;
     keep_best(layers.back(), steps);
-    std::vector<std::vector<detail::MatchingSplit>> ways;
-    for (const PartMask piece : states[t - 1])
-      ways.push_back(detail::matching_splits(expander_, piece,
-                                             expander_.locks(states[t - 1], piece), states[t]));
+    std::vector<std::vector<detail::MatchingSplit<Parts>>> ways;
+    for (const Parts& piece : states[t - 1])
+      ways.push_back(detail::matching_splits<Parts>(
+          expander_, piece, expander_.locks(states[t - 1], piece), states[t]));
     std::vector<Placing> next;
-    std::vector<PartMask> stays(ways.size());
+    std::vector<Parts> stays(ways.size());
     const auto choose = [&](auto& self, std::size_t i, std::size_t robots) -> void {
       if (i < ways.size()) {
-        for (const detail::MatchingSplit& way : ways[i]) {
+        for (const detail::MatchingSplit<Parts>& way : ways[i]) {
           if (way.robots > robots) continue;
           stays[i] = way.stays;
           self(self, i + 1, robots - way.robots);
         }
         return;
       }
-      std::vector<PartMask> moved;
-      for (const PartMask block : states[t]) {
+      std::vector<Parts> moved;
+      for (const Parts& block : states[t]) {
         if (std::ranges::find(stays, block) == stays.end()) moved.push_back(block);
       }
       for (std::size_t parent = 0; parent < layers.back().size(); ++parent) {
         const Placing& from = layers.back()[parent];
-        const auto point_before = [&from](PartMask block) {
+        const auto point_before = [&from](Parts block) {
           const auto holds = [block](const Placed& piece) { return (piece.parts & block) != 0; };
           return std::ranges::find_if(from.places, holds)->point;
         };
         double freed_cost = from.cost;
         Places after;
         for (const Placed& piece : from.places) {
-          PartMask freed = piece.parts;
-          for (const PartMask block : states[t]) freed &= ~block;
+          Parts freed = piece.parts;
+          for (const Parts& block : states[t]) freed &= ~block;
           freed_cost += times(freed, distance_[piece.point][kDepot]);
         }
-        for (const PartMask block : stays) {
+        for (const Parts& block : stays) {
           if (block != 0) after.push_back({block, point_before(block)});
         }
         for_each_placing(moved, after, [&] {
@@ -496,13 +518,16 @@ void FleetTravelSearch::place_known_plan(StateNumber start) {
   }
 }
 
-FleetPlan FleetTravelSearch::plan() {
-  std::vector<std::vector<detail::PlacedPiece>> states;
+template <class Parts>
+FleetPlan FleetTravelSearch<Parts>::plan() {
+  std::vector<std::vector<detail::PlacedPiece<Parts>>> states;
   for (const Places& places : best_) {
-    std::vector<detail::PlacedPiece>& state = states.emplace_back();
+    std::vector<detail::PlacedPiece<Parts>>& state = states.emplace_back();
     for (const Placed& piece : places) state.push_back({piece.parts, first_site_[piece.point]});
   }
   return detail::build_fleet_plan(expander_, states);
 }
+
+ORASP_FOR_EVERY_PART_SET(FleetTravelSearch);
 
 }  // namespace orasp

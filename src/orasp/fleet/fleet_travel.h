@@ -35,20 +35,23 @@ inline constexpr std::size_t kFleetMaxTravelSteps = 500;
 ///             subassembly, is a plan for that, and travel adds up over parts.
 /// Guarantee.  Exact up to kTravelTolerance; a bound, if stopped, is proved.
 /// Cost.       Exponential; the states of FleetMakespanSearch times the ways to place them.
+template <class Parts>
 class FleetTravelSearch {
  public:
-  using StateNumber = FleetMakespanSearch::StateNumber;
+  using StateNumber = typename FleetMakespanSearch<Parts>::StateNumber;
+  using Shape = typename FleetShapes<Parts>::Shape;
 
   /// One subassembly, and where it stands.
   struct Placed {
-    PartMask parts = 0;
+    Parts parts = 0;
     std::uint8_t point = 0;
     friend bool operator==(const Placed&, const Placed&) = default;
   };
   using Places = std::vector<Placed>;
 
   /// Refers to all three. @throws InputError above 255 sites.
-  FleetTravelSearch(FleetExpander& expander, FleetMakespanSearch& makespan, const Budget& budget);
+  FleetTravelSearch(FleetExpander<Parts>& expander, FleetMakespanSearch<Parts>& makespan,
+                    const Budget& budget);
 
   /// Runs to the least travel within `steps`, or to a limit. `makespan` has shown that the product
   /// can be finished in them.
@@ -106,13 +109,13 @@ class FleetTravelSearch {
   void find_plan(const std::vector<std::uint32_t>& starts, Prefer prefer);
   /// Calls `visit(places)` for every way to place the blocks after those of `placed` that stand.
   template <class Visit>
-  void for_each_placing(std::span<const PartMask> blocks, Places& placed, Visit&& visit) const;
+  void for_each_placing(std::span<const Parts> blocks, Places& placed, Visit&& visit) const;
   bool expired();
   /// The same, but it looks only now and then.
   bool expired_by_now() { return stop_ != Stop::None || (polls_++ % 64 == 0 && expired()); }
 
-  FleetExpander& expander_;
-  FleetMakespanSearch& makespan_;
+  FleetExpander<Parts>& expander_;
+  FleetMakespanSearch<Parts>& makespan_;
   const Budget& budget_;
   const std::size_t robots_;
   std::vector<PlaceIndex> first_site_;         ///< of each point; point 0 is the depot
