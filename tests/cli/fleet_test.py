@@ -95,14 +95,14 @@ class Fleets(Case):
                 self.check(answer, 0, out=r"reward   0\.0735\n", error=r"warning: fleet: its 4 robots are not used")
 
     def test_a_limit_leaves_a_plan_a_bound_and_a_gap(self):
-        chain = json.dumps({"format": "orasp-problem/1", "parts": [{"id": str(i)} for i in range(50)],
-                            "connections": [{"parts": [str(i), str(i + 1)], "axis": "-x"} for i in range(49)],
+        chain = json.dumps({"format": "orasp-problem/1", "parts": [{"id": str(i)} for i in range(100)],
+                            "connections": [{"parts": [str(i), str(i + 1)], "axis": "-x"} for i in range(99)],
                             "fleet": {"robots": 10, "sites": [[1, 0], [0, 1], [2, 0], [0, 2]]}})
         answer = orasp("solve", "-", "--time-limit", "2", "--json", stdin=chain)
         self.check(answer, 20)
         plan = json.loads(answer.out)
         self.assertEqual((plan["status"], plan["stopped"]), ("feasible", "time limit"))
-        self.assertLessEqual(plan["fleet"]["makespan"], 11)  # 10, unless the machine is very busy
+        self.assertLessEqual(plan["fleet"]["makespan"], 25)  # 19, unless the machine is very busy
         self.assertGreaterEqual(plan["bound"], plan["reward"])
         self.assertEqual(plan["gap"], plan["bound"] - plan["reward"])
         self.check(orasp("evaluate", "-", self.file("plan.json", answer.out), stdin=chain), 0)
