@@ -270,9 +270,9 @@ TEST(FleetSearch, KnowsPiecesOfTheSameShape) {
   EXPECT_LT(result.statistics.states, 20'000U);
 }
 
-// One word, then two. A row on one site is freed at both ends.
+// One word, then two, four and sixteen. A row on one site is freed at both ends.
 TEST(FleetSearch, TakesMorePartsThanAWordHasBits) {
-  for (const std::size_t parts : {60U, 66U}) {
+  for (const std::size_t parts : {60U, 66U, 130U, 258U}) {
     ProblemSpec spec = scrambled_row(parts, 2);
     spec.fleet->sites.resize(1);
     const Result result = fewest_steps(Problem(spec));
