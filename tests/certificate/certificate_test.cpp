@@ -392,6 +392,43 @@ TEST(CertificateTest, ADamagedOneHoldsOnlyWhereItStillTellsTheTruth) {
   EXPECT_GE(refused, least_of(1000));
 }
 
+/// What must hold of a certificate, tight or not: its claim is true, as it is read back it holds, a
+/// bit below the bound that it proves it does not, and a damaged one holds only where what it says
+/// is true.
+struct Soundness {
+  int tight = 0;    ///< whether it proves the best plan
+  int refused = 0;  ///< of the damaged ones
+};
+Soundness soundness(const Problem& problem, const Certificate& given,
+                    const oracle::WideResult& truth, SplitMix64& random) {
+  Soundness found;
+  const auto is_true = [&](double bound) {
+    return !truth.best || bound >= *truth.best - reward_tolerance(*truth.best);
+  };
+  EXPECT_TRUE(is_true(given.bound)) << given.bound;
+  const Certificate certificate = parse_certificate(problem, certificate_text(problem, given));
+  EXPECT_TRUE(check_certificate(problem, certificate).holds);
+  if (truth.best && certificate.bound <= *truth.best + reward_tolerance(*truth.best)) {
+    found.tight = 1;
+    EXPECT_TRUE(check_optimality(problem, answer(problem).result.sequence, certificate).proved);
+  }
+  Certificate lower = certificate;
+  lower.bound = std::nextafter(lower.bound, -kInfinity);
+  EXPECT_EQ(check_certificate(problem, lower).holds, !std::isfinite(certificate.bound));
+  for (int i = 0; i < 6; ++i) {
+    Certificate damaged = certificate;
+    if (!damage(damaged, random)) continue;
+    const CertificateCheck check = check_certificate(problem, damaged);
+    found.refused += check.holds ? 0 : 1;
+    if (check.holds) {
+      EXPECT_TRUE(is_true(damaged.bound)) << certificate_text(problem, damaged);
+    } else {
+      EXPECT_FALSE(check.fault.empty());
+    }
+  }
+  return found;
+}
+
 /// Parts of different masses under `fuel`, alone and in a sum, with a base part or none.
 TEST(CertificateTest, PricesProveWhatDifferentMassesTake) {
   std::map<Direction, int> tight;
@@ -412,35 +449,14 @@ TEST(CertificateTest, PricesProveWhatDifferentMassesTake) {
     SCOPED_TRACE(seed);
     const Problem problem(spec);
     const oracle::WideResult truth = oracle::wide_brute_force(spec);
-    const auto is_true = [&](double bound) {
-      return !truth.best || bound >= *truth.best - reward_tolerance(*truth.best);
-    };
     // The cheapest proof of anything, tight or not.
     const Certified any = make_certificate(problem, kInfinity, 0);
     ASSERT_TRUE(any.certificate) << any.reason;
-    EXPECT_TRUE(is_true(any.certificate->bound)) << any.certificate->bound;
     if (any.certificate->kind != Certificate::Kind::Prices) continue;
     with_base += spec.base.empty() ? 0 : 1;
-    const Certificate certificate =
-        parse_certificate(problem, certificate_text(problem, *any.certificate));
-    EXPECT_TRUE(check_certificate(problem, certificate).holds);
-    if (truth.best && certificate.bound <= *truth.best + reward_tolerance(*truth.best)) {
-      ++tight[problem.direction()];
-      const Answer found = answer(problem);
-      EXPECT_TRUE(check_optimality(problem, found.result.sequence, certificate).proved);
-    }
-    Certificate lower = certificate;
-    lower.bound = std::nextafter(lower.bound, -kInfinity);
-    EXPECT_EQ(check_certificate(problem, lower).holds, !std::isfinite(certificate.bound));
-    for (int i = 0; i < 6; ++i) {
-      Certificate damaged = certificate;
-      if (!damage(damaged, random)) continue;
-      const CertificateCheck check = check_certificate(problem, damaged);
-      refused += check.holds ? 0 : 1;
-      if (check.holds) {
-        EXPECT_TRUE(is_true(damaged.bound)) << certificate_text(problem, damaged);
-      }
-    }
+    const Soundness sound = soundness(problem, *any.certificate, truth, random);
+    tight[problem.direction()] += sound.tight;
+    refused += sound.refused;
     if (HasFailure()) return;
   }
   for (const Direction direction : {Direction::Disassembly, Direction::Assembly})
@@ -478,13 +494,9 @@ TEST(CertificateTest, PlacesProveWhatTheOrderTells) {
     SCOPED_TRACE(seed);
     const Problem problem(spec);
     const oracle::WideResult truth = oracle::wide_brute_force(spec);
-    const auto is_true = [&](double bound) {
-      return !truth.best || bound >= *truth.best - reward_tolerance(*truth.best);
-    };
     // The cheapest proof of anything, tight or not.
     const Certified any = make_certificate(problem, kInfinity, 0);
     ASSERT_TRUE(any.certificate) << any.reason;
-    EXPECT_TRUE(is_true(any.certificate->bound)) << any.certificate->bound;
     if (any.certificate->kind != Certificate::Kind::Places) {
       ++others;
       Certificate wrong = *any.certificate;
@@ -493,28 +505,9 @@ TEST(CertificateTest, PlacesProveWhatTheOrderTells) {
       continue;
     }
     EXPECT_FALSE(sees_more);
-    const Certificate certificate =
-        parse_certificate(problem, certificate_text(problem, *any.certificate));
-    EXPECT_TRUE(check_certificate(problem, certificate).holds);
-    if (truth.best && certificate.bound <= *truth.best + reward_tolerance(*truth.best)) {
-      ++tight[problem.direction()];
-      const Answer found = answer(problem);
-      EXPECT_TRUE(check_optimality(problem, found.result.sequence, certificate).proved);
-    }
-    Certificate lower = certificate;
-    lower.bound = std::nextafter(lower.bound, -kInfinity);
-    EXPECT_FALSE(check_certificate(problem, lower).holds);
-    for (int i = 0; i < 6; ++i) {
-      Certificate damaged = certificate;
-      if (!damage(damaged, random)) continue;
-      const CertificateCheck check = check_certificate(problem, damaged);
-      refused += check.holds ? 0 : 1;
-      if (check.holds) {
-        EXPECT_TRUE(is_true(damaged.bound)) << certificate_text(problem, damaged);
-      } else {
-        EXPECT_FALSE(check.fault.empty());
-      }
-    }
+    const Soundness sound = soundness(problem, *any.certificate, truth, random);
+    tight[problem.direction()] += sound.tight;
+    refused += sound.refused;
     if (HasFailure()) return;
   }
   for (const Direction direction : {Direction::Disassembly, Direction::Assembly})

@@ -120,11 +120,20 @@ class Check(Case):
         self.check(answer, 10)
         self.assertRegex(json.loads(answer.out)["fault"], r"sizes\[5\]: .* is less than a cut into \d and \d parts is worth")
 
-    def test_a_lost_state_is_not_proved(self):
+    def test_a_price_too_low_is_not_proved(self):
         plan, certificate = self.certified("4brick", "--objective", "indexed")
         document = json.loads(self.read(certificate))
-        document["layers"][1].pop()
+        self.assertEqual(document["kind"], "places")
+        document["places"][0] -= 0.5
         self.check(orasp("check", "4brick", plan, "-", "--objective", "indexed", stdin=json.dumps(document)), 10,
+                   out=r"places\[0\]: .* is less than what \".*\" earns there beyond its own, ")
+
+    def test_a_lost_state_is_not_proved(self):
+        changes = ["--objective", "indexed", "--max-subassemblies", "1"]
+        plan, certificate = self.certified("4brick", *changes)
+        document = json.loads(self.read(certificate))
+        document["layers"][1].pop()
+        self.check(orasp("check", "4brick", plan, "-", *changes, stdin=json.dumps(document)), 10,
                    out=r"layers\[1\]: a step out of layer 0, at \".*\", leads to a state that is not listed")
 
     @smoke
