@@ -81,7 +81,7 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
       Expander expander(system);
       SCOPED_TRACE(spec.name + " " + objective);
       for (std::size_t listed = 1; listed < kParts; ++listed) {
-        const SmallPieces pieces(expander, problem, listed);
+        const SmallPieces pieces(expander, problem, listed, {});
         ASSERT_TRUE(pieces.known());
         std::vector<double> bounds(1U << kParts, -kInfinity);
         for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
@@ -123,10 +123,11 @@ TEST(SmallPieces, ListsTheSizesThatThereIsRoomFor) {
       if (connected(problem, bits)) ++sets_up_to[parts_of(bits).size()];
     }
     for (std::size_t size = 1; size <= kParts; ++size) sets_up_to[size] += sets_up_to[size - 1];
-    const SmallPieces some(expander, problem, kParts, sets_up_to[4]);
-    const SmallPieces up_to_four(expander, problem, 4);
+    const SmallPieces some(expander, problem, kParts, {.most_sets = sets_up_to[4]});
+    const SmallPieces up_to_four(expander, problem, 4, {});
     EXPECT_TRUE(some.more_could_be_listed());
-    EXPECT_FALSE(SmallPieces(expander, problem).more_could_be_listed());
+    EXPECT_FALSE(
+        SmallPieces(expander, problem, SmallPieces::kMostListed, {}).more_could_be_listed());
     for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
       if (!connected(problem, bits)) continue;
       EXPECT_EQ(some.bound(parts_of(bits)), up_to_four.bound(parts_of(bits)));
@@ -142,8 +143,8 @@ TEST(SmallPieces, PricesTellWhatPlansCostAtLeast) {
     const TransitionSystem system(problem);
     Expander expander(system);
     const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
-    const double exact = SmallPieces(expander, problem).bound(all);
-    const double priced = SmallPieces(expander, problem, 5).bound(all);
+    const double exact = SmallPieces(expander, problem, SmallPieces::kMostListed, {}).bound(all);
+    const double priced = SmallPieces(expander, problem, 5, {}).bound(all);
     EXPECT_LT(priced, -1);
     EXPECT_GE(priced, exact - 1e-9);
     PieceBound used(system, PieceBound::Kind::Both);
@@ -168,9 +169,9 @@ TEST(SmallPieces, TheSideThatMovesPaysForItself) {
   const TransitionSystem system(problem);
   Expander expander(system);
   const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
-  const double exact = SmallPieces(expander, problem).bound(all);
+  const double exact = SmallPieces(expander, problem, SmallPieces::kMostListed, {}).bound(all);
   const double cut = exact / (kParts - 1);
-  const double priced = SmallPieces(expander, problem, 4).bound(all);
+  const double priced = SmallPieces(expander, problem, 4, {}).bound(all);
   EXPECT_LE(priced, 7 * cut);
   EXPECT_GE(priced, 8 * cut - 1e-9);
 }

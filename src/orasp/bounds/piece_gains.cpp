@@ -8,7 +8,7 @@
 
 namespace orasp {
 
-PieceGains::PieceGains(const TransitionSystem& system, std::size_t most_sets) {
+PieceGains::PieceGains(const TransitionSystem& system, const ListingEffort& effort) {
   const Problem& problem = system.problem();
   known_ = system.sees_piece_only() && system.takes_apart();
   if (!known_) return;
@@ -33,7 +33,7 @@ PieceGains::PieceGains(const TransitionSystem& system, std::size_t most_sets) {
     if (in_table || expander.moving_more_costs_more()) {
       prices_ = PiecePrices(
           expander, problem, units_, most_moved_,
-          [this](std::size_t moved, std::size_t kept) { return gain(moved, kept); }, most_sets);
+          [this](std::size_t moved, std::size_t kept) { return gain(moved, kept); }, effort);
     }
     if (!system.completes_first() && system.num_steps() > 0) measure_last_step(system, expander);
   } catch (const InputError&) {

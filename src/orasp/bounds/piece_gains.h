@@ -35,9 +35,8 @@ class PieceGains {
   /// by what is moved where moving more costs more.
   static constexpr std::size_t kMostPartsInTable = 4096;
 
-  /// `most_sets`: the most that SmallPieces lists.
-  explicit PieceGains(const TransitionSystem& system,
-                      std::size_t most_sets = SmallPieces::kFewSets);
+  /// `effort`: of SmallPieces.
+  explicit PieceGains(const TransitionSystem& system, const ListingEffort& effort = {});
 
   /// False where the objective sees more than the piece, and where steps make connections.
   [[nodiscard]] bool known() const { return known_; }

@@ -259,7 +259,8 @@ bool no_cut_gains(const PiecePrices::GainBySizes& gain, std::size_t parts) {
 }  // namespace
 
 PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartUnits& units,
-                         std::size_t most_moved, const GainBySizes& gain, std::size_t most_sets) {
+                         std::size_t most_moved, const GainBySizes& gain,
+                         const ListingEffort& effort) {
   const std::size_t parts = problem.num_parts();
   prices_.assign(parts, -kInfinity);
   if (parts == 0) return;
@@ -285,7 +286,7 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
     }
     for (double& price : prices_) price = std::max(price, larger);
     if (!units.any() && no_cut_gains(gain, parts))
-      pieces_ = SmallPieces(expander, problem, SmallPieces::kMostListed, most_sets);
+      pieces_ = SmallPieces(expander, problem, SmallPieces::kMostListed, effort);
   } else if (most > 1 && !units.any()) {
     if (auto sets = list_moved_sets(expander, problem, graph, most_moved, small_)) {
       prices_ = CoveringPrices(std::move(*sets), parts).find();

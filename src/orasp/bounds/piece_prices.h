@@ -48,16 +48,15 @@ class PiecePrices {
   using GainBySizes = std::function<double(std::size_t moved, std::size_t kept)>;
 
   PiecePrices() = default;
-  /// `most_moved`: the most parts that a cut may move. `most_sets`: the most that SmallPieces
-  /// lists.
+  /// `most_moved`: the most parts that a cut may move. `effort`: of SmallPieces.
   PiecePrices(Expander& expander, const Problem& problem, const PartUnits& units,
-              std::size_t most_moved, const GainBySizes& gain, std::size_t most_sets);
+              std::size_t most_moved, const GainBySizes& gain, const ListingEffort& effort);
 
   /// Whether every part has a price.
   [[nodiscard]] bool known() const { return known_; }
   /// The most that the cuts of `piece` gain. `units` are those that the prices were made for.
   [[nodiscard]] double bound(std::span<const PartIndex> piece, const PartUnits& units) const;
-  /// Whether with a greater `most_sets` more sets would be listed.
+  /// Whether with a greater effort more sets would be listed.
   [[nodiscard]] bool more_could_be_listed() const { return pieces_.more_could_be_listed(); }
   /// Whether that is the sum of the prices less the least of them for every piece, and the price of
   /// a part.

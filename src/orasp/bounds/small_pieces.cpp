@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "orasp/model/detail/connectivity.h"
@@ -52,7 +53,7 @@ class PackedCosts {
   }
 
   /// Without reserves.
-  [[nodiscard]] Answer find() const {
+  [[nodiscard]] Answer find(const ListingEffort& effort) const {
     Costs costs(rows_with_.size(), kInfinity);
     double scale = 0;
     for (const Row& row : rows_) {
@@ -73,6 +74,7 @@ class PackedCosts {
       if (i % kBetweenRepairs != kBetweenRepairs - 1) continue;
       Costs valid = repaired(costs);
       if (sum(valid) > sum(best)) best = std::move(valid);
+      if (effort.is_over()) break;
     }
     return {best, sum(best)};
   }
@@ -220,15 +222,15 @@ class SmallPieces::Lister {
     [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
   };
 
-  Lister(Expander& expander, const Problem& problem)
+  Lister(Expander& expander, const Problem& problem, const ListingEffort& effort)
       : expander_(expander),
         problem_(problem),
+        effort_(effort),
         graph_(problem),
         costs_(expander.least_extra_costs()) {}
 
   /// The greatest size of which all sets are listed.
-  std::size_t list(std::size_t most, std::size_t most_sets) {
-    most_sets_ = most_sets;
+  std::size_t list(std::size_t most) {
     for (PartIndex part = 0; part < graph_.num_parts(); ++part) {
       const std::array<PartIndex, 1> alone = {part};
       place_.insert(key_of(alone));
@@ -240,7 +242,8 @@ class SmallPieces::Lister {
     while (size < most && size < graph_.num_parts()) {
       const std::size_t end = sets_.size();
       for (std::size_t s = begin; s < end; ++s) {
-        if (!grow(s) || cuts + ((sets_.size() - end) << size) > most_sets * kCutsPerSet) {
+        if (!grow(s) || cuts + ((sets_.size() - end) << size) > effort_.most_sets * kCutsPerSet ||
+            is_over(s)) {
           cut_short_ = true;
           sets_.resize(end);
           place_.shrink(end);
@@ -257,9 +260,12 @@ class SmallPieces::Lister {
 
   /// Works out value, moving and room of each set; `largest` is what list() returned. Keeps the
   /// rows that the others do not imply.
-  std::vector<Row> measure(std::size_t largest) {
+  /// Nothing: there was no time for all.
+  std::optional<std::vector<Row>> measure(std::size_t largest) {
     std::vector<Row> rows;
-    for (ListedSet& set : sets_) {
+    for (std::size_t s = 0; s < sets_.size(); ++s) {
+      if (is_over(s)) return std::nullopt;
+      ListedSet& set = sets_[s];
       set.moving = expander_.greatest_gain_of_moving(set.all());
       set.fixed = std::ranges::any_of(set.all(), [&](PartIndex p) { return problem_.in_base(p); });
       double implied = kInfinity;
@@ -307,7 +313,7 @@ class SmallPieces::Lister {
     constexpr std::size_t kMostRounds = 20;
     constexpr std::size_t kStepsInRound = 80;
     constexpr double kWorthARound = 1.001;
-    PackedCosts::Answer best = PackedCosts(std::move(rows), parts).find();
+    PackedCosts::Answer best = PackedCosts(std::move(rows), parts).find(effort_);
     const double scale = best.sum / static_cast<double>(parts);
     if (scale <= 0) return best.costs;
     // Where all cuts cost the same, parts reserve this share.
@@ -316,7 +322,7 @@ class SmallPieces::Lister {
     for (double& reserve : reserves)
       reserve = std::max(0.0, reserve) / static_cast<double>(largest + 1);
     std::size_t idle = 0;
-    for (std::size_t round = 0; round < kMostRounds; ++round) {
+    for (std::size_t round = 0; round < kMostRounds && !effort_.is_over(); ++round) {
       const PackedCosts packed(rows_with(reserves, largest), parts);
       PackedCosts::Answer valid = packed.made_valid(costs);
       const double before = best.sum;
@@ -334,6 +340,11 @@ class SmallPieces::Lister {
   [[nodiscard]] KeyIndex take_places() && { return std::move(place_); }
 
  private:
+  /// Whether what is told of the time is true, asked for one of many sets.
+  [[nodiscard]] bool is_over(std::size_t set) const {
+    constexpr std::size_t kPollEvery = 256;
+    return set % kPollEvery == kPollEvery - 1 && effort_.is_over();
+  }
   void add(std::span<const PartIndex> parts) {
     ListedSet& set = sets_.emplace_back();
     std::ranges::copy(parts, set.parts.begin());
@@ -390,7 +401,7 @@ class SmallPieces::Lister {
                   more.begin() + at + 1);
         const std::span<const PartIndex> parts(more.data(), set.size + 1);
         if (!place_.insert(key_of(parts)).is_new) continue;
-        if (sets_.size() >= most_sets_) return false;
+        if (sets_.size() >= effort_.most_sets) return false;
         add(parts);
       }
     }
@@ -471,23 +482,24 @@ class SmallPieces::Lister {
 
   Expander& expander_;
   const Problem& problem_;
+  const ListingEffort& effort_;
   detail::AssemblyGraph graph_;
   std::vector<double> costs_;  ///< what connections cost beside the bound (CutTrees)
   std::vector<ListedSet> sets_;
-  std::size_t most_sets_ = 0;
   bool cut_short_ = false;
   KeyIndex place_;  ///< of each set in sets_
 };
 
 SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed,
-                         std::size_t most_sets) {
+                         const ListingEffort& effort) {
   static_assert(kMostListed <= 12, "a key holds twelve parts");
   const std::size_t parts = problem.num_parts();
   if (parts < 2) return;
-  Lister lister(expander, problem);
-  const std::size_t largest = lister.list(std::min(most_listed, kMostListed), most_sets);
+  Lister lister(expander, problem, effort);
+  const std::size_t largest = lister.list(std::min(most_listed, kMostListed));
   cut_short_ = lister.cut_short();
-  std::vector<Row> rows = lister.measure(largest);
+  std::optional<std::vector<Row>> rows = lister.measure(largest);
+  if (!rows) return;
   for (const Lister::ListedSet& set : lister.sets()) {
     if (!std::isfinite(set.value) || !std::isfinite(set.room)) return;
     values_.push_back(set.value);
@@ -495,7 +507,7 @@ SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t
   listed_ = std::move(lister).take_places();
   prices_.assign(parts, 0);
   if (largest < parts) {
-    prices_ = lister.costs(std::move(rows), largest);
+    prices_ = lister.costs(*std::move(rows), largest);
     for (double& price : prices_) price = 0.0 - price;
   }
   largest_ = largest;

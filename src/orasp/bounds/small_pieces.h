@@ -4,12 +4,15 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "orasp/model/transition_system.h"
 
 namespace orasp {
+
+struct ListingEffort;
 
 /// Bounds what the cuts of a piece gain where the gain of a cut depends on what is moved, any
 /// number of parts may move, and no cut gains more than 0.
@@ -61,8 +64,8 @@ class SmallPieces {
 
   SmallPieces() = default;
   /// No cut may gain more than 0. Pieces of at most `most_listed` parts are listed.
-  SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed = kMostListed,
-              std::size_t most_sets = kFewSets);
+  SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed,
+              const ListingEffort& effort);
 
   [[nodiscard]] bool known() const { return largest_ > 0; }
   [[nodiscard]] double bound(std::span<const PartIndex> piece) const;
@@ -109,6 +112,15 @@ class SmallPieces {
   std::vector<double> prices_;
 
   class Lister;
+};
+
+/// How much a bound may do before it is first asked.
+struct ListingEffort {
+  std::size_t most_sets = SmallPieces::kFewSets;  ///< that SmallPieces lists
+  /// Asked now and then, if there is one: where it says true, what is known by then is the bound.
+  std::function<bool()> stop{};
+
+  [[nodiscard]] bool is_over() const { return stop && stop(); }
 };
 
 }  // namespace orasp

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "orasp/model/error.h"
@@ -74,6 +75,36 @@ int fill(const Descriptor& descriptor, std::string_view bytes, const struct ::st
   fail(file, reason);
 }
 
+/// Gives a file without a name the name `temporary` and then that of `target`, in whose place it
+/// comes at once; 0 or the error, EEXIST where `temporary` is another one's. Calls the kernel alone.
+int take_place(const char* unnamed, const char* temporary, const char* target) {
+  if (::linkat(AT_FDCWD, unnamed, AT_FDCWD, temporary, AT_SYMLINK_FOLLOW) != 0) return errno;
+  if (::rename(temporary, target) == 0) return 0;
+  const int error = errno;
+  ::unlink(temporary);
+  return error;
+}
+
+/// The same, by a process of its own, which goes on where this one is killed between the two steps:
+/// else the first name would stay behind.
+int take_place_whatever_happens(const char* unnamed, const char* temporary, const char* target) {
+  volatile int error = -1;  // the child has the memory of its parent, which waits for it
+  const ::pid_t child = ::vfork();
+  if (child == 0) {
+    error = take_place(unnamed, temporary, target);
+    ::_exit(error);
+  }
+  if (child < 0) return take_place(unnamed, temporary, target);
+  int status = 0;
+  ::pid_t ended = 0;
+  do {
+    ended = ::waitpid(child, &status, 0);
+  } while (ended < 0 && errno == EINTR);
+  const bool known = ended == child && WIFEXITED(status);
+  if (error >= 0) return error;
+  return known ? WEXITSTATUS(status) : ECHILD;
+}
+
 /// Writes a file without a name and names it when it is whole, so that nothing stays behind if the
 /// process is killed meanwhile. False, and nothing done, where the file system or the machine knows
 /// no such files.
@@ -84,22 +115,18 @@ bool written_unnamed(const fs::path& directory, const fs::path& target, std::str
   const std::string unnamed = fmt::format("/proc/self/fd/{}", descriptor.number());
   if (::access(unnamed.c_str(), F_OK) != 0) return false;
   if (const int reason = fill(descriptor, bytes, replaced); reason != 0) fail(file, reason);
-  const auto named = [&](const fs::path& name) {
-    return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
-  };
   if (replaced == nullptr) {
-    if (named(target)) return true;
+    if (::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, target.c_str(), AT_SYMLINK_FOLLOW) == 0)
+      return true;
     if (errno != EEXIST) return false;
   }
   // A link never replaces a file: it gets a name beside it and takes its place at once.
   for (unsigned attempt = 0; attempt <= 1000; ++attempt) {
     const fs::path temporary = temporary_name(directory, attempt);
-    if (!named(temporary)) {
-      if (errno == EEXIST) continue;
-      return false;
-    }
-    if (::rename(temporary.c_str(), target.c_str()) != 0) give_up(temporary, file, errno);
-    return true;
+    const int error =
+        take_place_whatever_happens(unnamed.c_str(), temporary.c_str(), target.c_str());
+    if (error == 0) return true;
+    if (error != EEXIST) return false;
   }
   return false;
 }

@@ -69,6 +69,11 @@ bool more_is_worth_listing(const PieceBound& pieces, const Budget& budget) {
   return !budget.deadline || seconds_left(budget) >= kSecondsForMany;
 }
 
+/// Small pieces, as many, until the budget is spent.
+ListingEffort effort_for(std::size_t most_sets, const Budget& budget) {
+  return {.most_sets = most_sets, .stop = [&budget] { return budget.expired() != Stop::None; }};
+}
+
 /// How many small pieces are listed before anything else.
 std::size_t listed_at_first(const Budget& budget) {
   constexpr double kEnoughTime = 1;  // seconds
@@ -192,7 +197,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   if (system.num_connections() > detail::kManyConnections) findings.add(detail::quick_plan(system));
   auto pieces = std::make_unique<PieceBound>(
       system, PieceBound::Kind::Both,
-      std::make_shared<const PieceGains>(system, listed_at_first(budget)));
+      std::make_shared<const PieceGains>(system, effort_for(listed_at_first(budget), budget)));
   if (pieces->known()) {
     findings.lower((*pieces)(start.view()));
     if (!findings.settled() && system.num_connections() > detail::kManyConnections)
@@ -247,7 +252,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     if (turn == kTurnsBeforeMany && more_is_worth_listing(*pieces, budget)) {
       pieces = std::make_unique<PieceBound>(
           system, PieceBound::Kind::Both,
-          std::make_shared<const PieceGains>(system, SmallPieces::kManySets));
+          std::make_shared<const PieceGains>(system, effort_for(SmallPieces::kManySets, budget)));
       findings.lower((*pieces)(start.view()));
       if (findings.settled()) break;
       turns.emplace(system, budget, pieces->gains());
