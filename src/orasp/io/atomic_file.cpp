@@ -76,7 +76,8 @@ int fill(const Descriptor& descriptor, std::string_view bytes, const struct ::st
 }
 
 /// Gives a file without a name the name `temporary` and then that of `target`, in whose place it
-/// comes at once; 0 or the error, EEXIST where `temporary` is another one's. Calls the kernel alone.
+/// comes at once; 0 or the error, EEXIST where `temporary` is another one's. It calls nothing but
+/// the kernel.
 int take_place(const char* unnamed, const char* temporary, const char* target) {
   if (::linkat(AT_FDCWD, unnamed, AT_FDCWD, temporary, AT_SYMLINK_FOLLOW) != 0) return errno;
   if (::rename(temporary, target) == 0) return 0;
