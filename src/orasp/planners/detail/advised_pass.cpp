@@ -5,6 +5,7 @@
 
 #include "orasp/containers/parallel.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/same_successor.h"
 
 namespace orasp::detail {
 
@@ -62,16 +63,7 @@ SetView AdvisedPass::state_of(std::size_t i) const {
 }
 
 bool AdvisedPass::same_state(const Candidate& a, const Candidate& b) const {
-  const SetView one = state_of(a.parent);
-  const SetView other = state_of(b.parent);
-  for (std::size_t w = 0; w < words_; ++w) {
-    std::uint64_t x = one[w];
-    std::uint64_t y = other[w];
-    if (w == a.connection / 64) x &= ~(std::uint64_t{1} << (a.connection % 64));
-    if (w == b.connection / 64) y &= ~(std::uint64_t{1} << (b.connection % 64));
-    if (x != y) return false;
-  }
-  return true;
+  return same_successor(state_of(a.parent), a.connection, state_of(b.parent), b.connection);
 }
 
 void AdvisedPass::expand(Worker& worker, std::size_t begin, std::size_t end, double least,

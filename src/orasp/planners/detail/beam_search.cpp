@@ -8,6 +8,7 @@
 #include "orasp/bounds/bound_kinds.h"
 #include "orasp/containers/parallel.h"
 #include "orasp/model/tolerance.h"
+#include "orasp/planners/detail/same_successor.h"
 #include "orasp/task/memory_limit.h"
 
 namespace orasp::detail {
@@ -132,16 +133,8 @@ bool BeamSearch::same_state(const Candidate& a, const Candidate& b) {
     if (words_ == 1 && form_) return true;  // hashes of one word differ where the words do
     return std::ranges::equal(bits_of(a, one_), bits_of(b, other_));
   }
-  const SetView one = state_of(layer_, a.parent);
-  const SetView other = state_of(layer_, b.parent);
-  for (std::size_t w = 0; w < words_; ++w) {
-    std::uint64_t x = one[w];
-    std::uint64_t y = other[w];
-    if (w == a.connection / 64) x &= ~(std::uint64_t{1} << (a.connection % 64));
-    if (w == b.connection / 64) y &= ~(std::uint64_t{1} << (b.connection % 64));
-    if (x != y) return false;
-  }
-  return true;
+  return same_successor(state_of(layer_, a.parent), a.connection, state_of(layer_, b.parent),
+                        b.connection);
 }
 
 bool BeamSearch::before(const Candidate& a, const Candidate& b) {
