@@ -87,7 +87,7 @@ FAULTS = [
           "if (motions[i] != motions[j]) step.cut.push_back(c);", "if (motions[i] > motions[j]) step.cut.push_back(c);",
           "release", ["Fleet*"]),
     Fault("a temporary file that stays behind",
-          "if (named(target)) return true;", "if (named(temporary_name(directory, 0)) && named(target)) return true;",
+          "if (error == 0) return true;\n", "if (error == 0 && ::link(target.c_str(), temporary.c_str()) == 0) return true;\n",
           "release", ["WriteFile*"]),
     Fault("a signal that stops nothing",
           "  stop.request_stop();\n  if (isatty(", "  static_cast<void>(stop.stop_requested());\n  if (isatty(",

@@ -13,12 +13,11 @@ import shutil
 import signal
 import struct
 import subprocess
-import time
 import unittest
 import zipfile
 from pathlib import Path
 
-from program import PROGRAM, ROOT, Answer, Case, orasp
+from program import PROGRAM, ROOT, Answer, Case, orasp, wait_for_work
 
 BUILD = Path(PROGRAM).parent
 EXAMPLES = ROOT / "examples/cad"
@@ -402,7 +401,7 @@ class Import(Case):
         target = self.folder / "x.json"
         with subprocess.Popen([PROGRAM, "import", MODELS / "Nema23_LeadScrew.step", "-o", target],
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
-            time.sleep(0.5)
+            wait_for_work(running, 0.4)
             running.send_signal(signal.SIGINT)
             out, error = running.communicate(timeout=60)
         self.assertEqual((running.returncode, out), (20, b""), error)

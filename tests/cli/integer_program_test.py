@@ -6,10 +6,9 @@
 import json
 import signal
 import subprocess
-import time
 import unittest
 
-from program import PROGRAM, Case, assembly, orasp, smoke
+from program import PROGRAM, Case, assembly, orasp, smoke, wait_for_work
 
 
 class IntegerProgram(Case):
@@ -69,7 +68,7 @@ class IntegerProgram(Case):
     def test_ctrl_c_ends_the_solver_with_the_best_plan_so_far(self):
         process = subprocess.Popen([PROGRAM, "solve", "hubble", "--method", "mip", "--json"], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
-        time.sleep(1.5)
+        wait_for_work(process, 1.2)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=60)
         if process.returncode == 30:

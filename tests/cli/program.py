@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -33,6 +34,31 @@ def orasp(*arguments, stdin="", environment=None, **options):
     done = subprocess.run([PROGRAM, *arguments], input=data, capture_output=True, timeout=300,
                           env=None if environment is None else dict(os.environ, **environment), **options)
     return Answer(done.returncode, done.stdout.decode(errors="replace"), done.stderr.decode(errors="replace"))
+
+
+def time_used(process):
+    """Seconds of processor time; 0 where the process is over."""
+    try:
+        fields = Path("/proc", str(process), "stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return 0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def wait_until(is_so, within=60):
+    """Waits until is_so() is true, and returns that; fails after `within` seconds."""
+    end = time.monotonic() + within
+    while not (answer := is_so()):
+        if time.monotonic() > end:
+            raise AssertionError(f"not so after {within} s: {is_so.__doc__ or is_so}")
+        time.sleep(0.01)
+    return answer
+
+
+def wait_for_work(process, seconds):
+    """Waits until a process that was started has worked for so many seconds, however busy the machine is, or is over.
+    """
+    wait_until(lambda: process.poll() is not None or time_used(process.pid) >= seconds)
 
 
 def assembly(connections, **more):

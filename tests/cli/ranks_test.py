@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 from random import Random
 
-from program import PROGRAM, Case, orasp
+from program import PROGRAM, Case, orasp, time_used, wait_until
 
 MPIRUN = shutil.which("mpirun")
 MODULE = Path(PROGRAM).parent / "orasp_mpi.so"
@@ -47,13 +47,17 @@ def children_of(process):
     return subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True, check=False).stdout.split()
 
 
-def time_used(process):
-    """Seconds of processor time; 0 where the process is over."""
-    try:
-        fields = Path("/proc", process, "stat").read_text().rsplit(")", 1)[1].split()
-    except OSError:
-        return 0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+def wait_for_ranks(process, count, seconds):
+    """Waits until so many ranks are there and each has worked for so many seconds; returns their processes."""
+    def all_work():
+        ranks = children_of(process.pid)
+        return process.poll() is not None or (len(ranks) == count and min(map(time_used, ranks)) >= seconds) and ranks
+    return wait_until(all_work)
+
+
+def workers_of(process):
+    """The processes in which the ranks of `compare` do their work."""
+    return [worker for rank in children_of(process.pid) for waiting in children_of(rank) for worker in children_of(waiting)]
 
 
 def answer(text):
@@ -193,13 +197,10 @@ class Ranks(Case):
         killed = 0
         end = time.monotonic() + 60
         while killed < times and time.monotonic() < end:
-            for rank in children_of(process.pid):
-                for waiting in children_of(rank):
-                    for worker in children_of(waiting):
-                        if time_used(worker) < 0.1:
-                            continue
-                        os.kill(int(worker), signal.SIGKILL)
-                        killed += 1
+            for worker in workers_of(process):
+                if time_used(worker) >= 0.1:
+                    os.kill(int(worker), signal.SIGKILL)
+                    killed += 1
             time.sleep(0.02)
         self.assertEqual(killed, times)
 
@@ -220,22 +221,16 @@ class Ranks(Case):
 
     def test_the_processes_of_a_killed_rank_end_with_it(self):
         process = start(2, "compare", "lattice", "lattice", "--methods", "exhaustive", "--time-limit", "60")
-        workers = []
-        end = time.monotonic() + 60
-        while len(workers) < 2 and time.monotonic() < end:
-            workers = [worker for rank in children_of(process.pid) for waiting in children_of(rank) for worker in children_of(waiting)]
-            time.sleep(0.02)
+        workers = wait_until(lambda: len(found := workers_of(process)) >= 2 and found)
         os.kill(int(children_of(process.pid)[1]), signal.SIGKILL)
         process.communicate(timeout=60)
         self.assertNotEqual(process.returncode, 0)
-        end = time.monotonic() + 10
-        while any(Path("/proc", worker).exists() for worker in workers) and time.monotonic() < end:
-            time.sleep(0.02)
-        self.assertEqual([worker for worker in workers if Path("/proc", worker).exists()], [])
+        wait_until(lambda: not any(Path("/proc", worker).exists() for worker in workers), within=10)
 
     def test_a_stop_of_compare_prints_the_rows_so_far(self):
         process = start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv", **PATIENT)
-        time.sleep(2)
+        # The first row takes a moment; then both ranks are at the second and third.
+        wait_until(lambda: len(found := workers_of(process)) == 2 and min(map(time_used, found)) >= 0.5)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=60)
         self.assertIn("2x3,exhaustive,optimal,", out, error)
@@ -256,10 +251,9 @@ class Ranks(Case):
         for method in ("value-iteration", "beam", "a-star"):
             with self.subTest(method=method):
                 process, file = self.long_run(method)
-                time.sleep(0.5 + 2 * random.random())
-                children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False).stdout.split()
-                self.assertEqual(len(children), 3)
-                os.kill(int(random.choice(children)), signal.SIGKILL)
+                ranks = wait_for_ranks(process, 3, 0.2 + random.random())
+                self.assertIsInstance(ranks, list, "the run was over before a rank was killed")
+                os.kill(int(random.choice(ranks)), signal.SIGKILL)
                 begin = time.monotonic()
                 _, error = process.communicate(timeout=60)
                 self.assertLess(time.monotonic() - begin, 5)
@@ -272,7 +266,7 @@ class Ranks(Case):
         for method in ("value-iteration", "beam"):
             with self.subTest(method=method):
                 process, file = self.long_run(method, **PATIENT)
-                time.sleep(1.5)
+                wait_for_ranks(process, 3, 0.5)
                 process.send_signal(signal.SIGINT)  # as Ctrl-C: mpirun ends its ranks with SIGTERM
                 out, _ = process.communicate(timeout=60)
                 self.assertEqual(out.count("feasible (interrupted; not proved best)"), 1)

@@ -13,7 +13,7 @@ import time
 import unittest
 from random import Random
 
-from program import ENDLESS, PROGRAM, Case, orasp, smoke, threads
+from program import ENDLESS, PROGRAM, Case, orasp, smoke, threads, wait_for_work
 
 
 class Stopping(Case):
@@ -28,7 +28,7 @@ class Stopping(Case):
         for sign in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(signal=sign):
                 process = self.start(*ENDLESS, "--json")
-                time.sleep(1)
+                wait_for_work(process, 0.8)
                 process.send_signal(sign)
                 out, error = process.communicate(timeout=20)
                 self.assertEqual(process.returncode, 20, error)
@@ -40,7 +40,7 @@ class Stopping(Case):
     def test_two_signals_at_the_same_time_are_one(self):
         """timeout(1) sends one to the process and one to its group."""
         process = self.start(*ENDLESS)
-        time.sleep(1)
+        wait_for_work(process, 0.8)
         process.send_signal(signal.SIGTERM)
         time.sleep(0.01)
         process.poll() is None and process.send_signal(signal.SIGTERM)
@@ -82,7 +82,7 @@ class Stopping(Case):
 
     def test_compare_and_sample_print_what_they_have(self):
         process = self.start("compare", "grid:2x2", "grid:5x5", "--methods", "greedy,orasp-search", "--objective", "travel", "--json")
-        time.sleep(1)
+        wait_for_work(process, 0.8)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=20)
         self.assertEqual(process.returncode, 20, error)
@@ -91,7 +91,7 @@ class Stopping(Case):
         self.assertEqual(rows[-1]["message"].split(";")[0], "interrupted")
 
         process = self.start("sample", "jwst", "-n", "1000000000", "--json", "--quiet")
-        time.sleep(1)
+        wait_for_work(process, 0.8)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=20)
         self.assertEqual(process.returncode, 20, error)
@@ -135,7 +135,7 @@ class Stopping(Case):
         for method in ("auto", "beam", "a-star"):
             with self.subTest(method=method):
                 process = self.start("solve", "grid:10x10", "--objective", "time", "--method", method, "--json")
-                time.sleep(0.7)
+                wait_for_work(process, 0.6)
                 process.send_signal(signal.SIGINT)
                 out, error = process.communicate(timeout=20)
                 self.assertEqual(process.returncode, 20, error)
