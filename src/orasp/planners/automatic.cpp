@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "orasp/bounds/companion_bound.h"
 #include "orasp/bounds/connection_bound.h"
 #include "orasp/bounds/piece_bound.h"
 #include "orasp/graph/graph_estimate.h"
@@ -15,6 +16,7 @@
 #include "orasp/planners/and_or.h"
 #include "orasp/planners/beam.h"
 #include "orasp/planners/dense_value_iteration.h"
+#include "orasp/planners/detail/companion_plan.h"
 #include "orasp/planners/detail/peeled_plan.h"
 #include "orasp/planners/detail/quick_plan.h"
 #include "orasp/planners/detail/wide_search.h"
@@ -203,6 +205,11 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     if (!findings.settled() && system.num_connections() > detail::kManyConnections)
       findings.add(detail::peeled_plan(system, *pieces, first));
     if (!findings.settled()) findings.add(plan_at_bound(system, *pieces, first));
+    if (!findings.settled()) {
+      const CompanionBound companions(system);
+      findings.lower(companions.most());
+      if (!findings.settled()) findings.add(detail::companion_plan(system, companions, first));
+    }
     if (findings.settled())
       return findings.answer(Stop::None,
                              "the plan earns as much as the bound on its pieces allows");

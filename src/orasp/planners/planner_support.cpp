@@ -5,8 +5,11 @@
 #include <memory>
 #include <utility>
 
+#include "orasp/bounds/companion_bound.h"
 #include "orasp/bounds/wide_bound.h"
 #include "orasp/model/detail/rules.h"
+#include "orasp/model/error.h"
+#include "orasp/model/plan_check.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/planners/detail/peeled_plan.h"
 #include "orasp/planners/detail/quick_plan.h"
@@ -179,8 +182,28 @@ std::optional<double> bound_of_start(const TransitionSystem& system) {
   if (!system.takes_apart() && !system.ordered()) return bound_of_start(system.backwards());
   const std::unique_ptr<Bound> bound = make_bound(system, BoundKind::Best);
   if (!bound->known()) return std::nullopt;
-  const double most = std::min((*bound)(system.start().view()), start_by_places(*bound).most);
+  const double most = std::min({(*bound)(system.start().view()), start_by_places(*bound).most,
+                                CompanionBound(system).most()});
   return std::isfinite(most) ? std::optional(most) : std::nullopt;
+}
+
+std::optional<Result> checked_plan(const TransitionSystem& system,
+                                   std::vector<ConnectionIndex> order) {
+  const bool backwards = system.completes_first();
+  if (backwards) std::ranges::reverse(order);
+  PlanCheck check;
+  try {
+    check = check_plan(system.problem(), system.situation(), order);
+  } catch (const InputError&) {
+    return std::nullopt;  // a formula without a value for one of the steps
+  }
+  if (!check.legal) return std::nullopt;
+  if (backwards) std::ranges::reverse(order);
+  Result result;
+  result.status = Status::Feasible;
+  result.reward = check.reward;
+  result.sequence = std::move(order);
+  return result;
 }
 
 bool meets(double reward, double bound) {

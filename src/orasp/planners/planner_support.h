@@ -64,6 +64,11 @@ template <class Options, class Plan>
   });
 }
 
+/// The plan that handles connections in this order, from the start of `system` on, with what it
+/// earns; empty where that breaks a rule. By check_plan, not by the rules of the planners.
+[[nodiscard]] std::optional<Result> checked_plan(const TransitionSystem& system,
+                                                 std::vector<ConnectionIndex> order);
+
 /// The first legal order that is found, whatever it earns (planners/feasibility.h): for problems in
 /// which others run into dead ends. Infeasible where it is proved that there is none.
 [[nodiscard]] Result any_plan(const TransitionSystem& system, const Budget& budget);

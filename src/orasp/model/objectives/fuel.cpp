@@ -48,6 +48,9 @@ class FuelTerm : public ObjectiveTerm {
                                                const detail::StepPieces& moved) const override {
     return weight * earned(moved.mass(moved.a));
   }
+  [[nodiscard]] double cost_of_mass(double weight) const override {
+    return weight > 0 ? weight * propellant_ : 0;
+  }
 
  private:
   [[nodiscard]] double earned(double moved_mass) const {

@@ -199,6 +199,12 @@ class ObjectiveTerm {
     static_cast<void>(moved);
     return kInfinity;
   }
+  /// What each kilogram that moves costs, times `weight`, of a term whose steps earn nothing else
+  /// but a fixed amount of 0 or less wherever something moves. 0 where that is not so.
+  [[nodiscard]] virtual double cost_of_mass(double weight) const {
+    static_cast<void>(weight);
+    return 0;
+  }
   /// If sees.gain_by_connection: adds to `costs`, for each connection, by how much less a cut at it
   /// gains at least, times `weight`, than the three above say.
   virtual void add_extra_costs(double weight, std::span<double> costs) const {

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "orasp/model/detail/rules.h"
-#include "orasp/model/error.h"
-#include "orasp/model/plan_check.h"
 #include "orasp/planners/greedy.h"
 #include "orasp/planners/planner_support.h"
 
@@ -180,25 +178,6 @@ void take_best_first_step(const TransitionSystem& system, PieceBound& bound, Pee
   peeled.take(std::ranges::max_element(scored, {}, &Action::reward)->connection);
 }
 
-/// A plan, if the order obeys the rules.
-std::optional<Result> checked(const TransitionSystem& system, std::vector<ConnectionIndex> order) {
-  const bool backwards = system.completes_first();
-  if (backwards) std::ranges::reverse(order);
-  PlanCheck check;
-  try {
-    check = check_plan(system.problem(), system.situation(), order);
-  } catch (const InputError&) {
-    return std::nullopt;  // a formula without a value for one of the steps
-  }
-  if (!check.legal) return std::nullopt;
-  if (backwards) std::ranges::reverse(order);
-  Result result;
-  result.status = Status::Feasible;
-  result.reward = check.reward;
-  result.sequence = std::move(order);
-  return result;
-}
-
 /// What both plans begin with, and the pieces that are then to be peeled.
 struct Beginning {
   /// `bound`: null where the first step is like any other.
@@ -240,7 +219,7 @@ std::optional<Result> plan_to_costliest(const TransitionSystem& system, Beginnin
     Trees& trees = beginning.trees;
     peel(beginning.nodes, trees.preorder(trees.by_distance(root)), 1, peeled);
   }
-  return checked(system, std::move(peeled.order));
+  return checked_plan(system, std::move(peeled.order));
 }
 
 /// The plan that leaves small pieces to the search; empty where that finds none.
@@ -264,7 +243,7 @@ std::optional<Result> plan_to_small_pieces(const TransitionSystem& system, Piece
     if (!rest.has_plan()) return std::nullopt;
     peeled.order.insert(peeled.order.end(), rest.sequence.begin(), rest.sequence.end());
   }
-  return checked(system, std::move(peeled.order));
+  return checked_plan(system, std::move(peeled.order));
 }
 
 }  // namespace
