@@ -57,7 +57,7 @@ FAULTS = [
           "if ((mine[w] & (there_without(open, c, w) | self)) != 0 && c % 8 != 7) return false;",
           "release", ["*Agreement.StateGraph*:TransitionSystem*"]),
     Fault("a symmetry that does not look at the directions of blocking",
-          "if (problem_.blocks(blocker, d.value())) join(here, vertex_of_direction.at(d.value()));", "",
+          "join(here, vertex_of_direction.at(d.value()));", "join(here, vertex_of_direction.begin()->second);",
           "release", ["Symmetry.*"]),
     Fault("a symmetry that does not look at the directions of blocking where there are many",
           'vertex("blocked " + std::min(here, there))', 'vertex("blocked")',
