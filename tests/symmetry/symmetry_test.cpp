@@ -690,6 +690,27 @@ TEST(Symmetry, WhatIsBlockedStaysBlockedByTheSame) {
   EXPECT_EQ(order_of(spec), 4);
 }
 
+// Of more directions than are exchanged, each stays what it is.
+TEST(Symmetry, ManyDirectionsStayWhatTheyAre) {
+  if (!has_nauty()) GTEST_SKIP() << "built without nauty";
+  ProblemSpec spec = star(4);
+  spec.blocking.emplace();
+  for (int i = 0; i < 33; ++i) {
+    const std::string name = "slant " + std::to_string(i);
+    spec.blocking->directions.push_back({name, Vector3{1, static_cast<double>(i), 1}});
+  }
+  spec.blocking->blocked = {{"nut 0", "plate", {"slant 0"}, {}},
+                            {"nut 1", "plate", {"slant 0"}, {}},
+                            {"nut 2", "plate", {"slant 1"}, {}},
+                            {"nut 3", "plate", {"-slant 1"}, {}}};
+  EXPECT_EQ(order_of(spec), 2);
+  // The same, said of the other part.
+  spec.blocking->blocked[1] = {"plate", "nut 1", {"-slant 0"}, {}};
+  EXPECT_EQ(order_of(spec), 2);
+  spec.blocking->blocked[2].directions = {"slant 0"};
+  EXPECT_EQ(order_of(spec), 6);
+}
+
 TEST(Symmetry, ObjectivesThatMayTellPartsApartAreRefused) {
   for (const char* const type : {"indexed", "travel", "route"}) {
     ProblemSpec spec = star(3);
