@@ -7,6 +7,9 @@
 namespace orasp {
 namespace {
 
+/// About how many words all Departures of a piece may look at: half a second.
+constexpr double kMostWork = 5e8;
+
 /// What a kilogram costs that moves, where nothing else does but a fixed amount; 0 elsewhere.
 double cost_of_mass(const detail::Rules& rules) {
   double sum = 0;
@@ -59,9 +62,19 @@ CompanionBound::Best CompanionBound::of_piece(std::span<const PartIndex> piece) 
   // Those that cost most to move stay first.
   std::ranges::stable_sort(may_stay, {}, [&](PartIndex part) { return gains_[part]; });
   best.most = -kInfinity;
+  const auto parts = static_cast<double>(piece.size());
+  const double work = parts * parts * static_cast<double>(world_->ways() * world_->words());
+  double left = kMostWork;
   for (const PartIndex stays : may_stay) {
     const double others = fixed > 0 ? sum : sum - gains_[stays];
     if (others <= best.most) break;
+    left -= work;
+    if (left < 0) {
+      // Those that are not looked at leave no more to others than this one.
+      best.most = others;
+      best.departures.reset();
+      return best;
+    }
     Departures departures(world_, piece, stays);
     if (!departures.possible()) continue;
     const double most = others - cost_of_companions(departures);

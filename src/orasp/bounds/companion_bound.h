@@ -32,7 +32,8 @@ namespace orasp {
 /// Guarantee.  Admissible. Exact where each group of companions leaves alone and then comes apart
 ///             part by part. Limits and precedence only take plans away.
 /// Cost.       Departures for each part of a piece that may stay; those which are light are seldom
-///             asked, since what they leave to others costs too much.
+///             asked, since what they leave to others costs too much. After about half a second the
+///             rest is bounded without.
 /// Limit.      Known where every step takes one connection away, none is kept, no more than
 ///             kMostParts parts have blocking between them, and every term of the objective says
 ///             what a kilogram costs (ObjectiveTerm::cost_of_mass).
