@@ -194,6 +194,18 @@ bool damage(Certificate& certificate, SplitMix64& random) {
     }
     case Certificate::Kind::Prices: {
       const std::size_t at = random.below(certificate.prices.size());
+      if (random.below(2) == 0) {
+        // Any parts are said to leave together.
+        const auto any = [&] {
+          return static_cast<PartIndex>(random.below(certificate.prices.size()));
+        };
+        if (certificate.together.empty() || random.below(3) == 0)
+          certificate.together.push_back({.stays = any()});
+        auto& groups = certificate.together[random.below(certificate.together.size())].groups;
+        if (groups.empty() || random.below(2) == 0) groups.push_back({any()});
+        groups[random.below(groups.size())].push_back(any());
+        return true;
+      }
       if (random.below(4) == 0) {
         certificate.prices.erase(certificate.prices.begin() + static_cast<std::ptrdiff_t>(at));
       } else {
@@ -470,6 +482,54 @@ TEST(CertificateTest, PricesProveWhatDifferentMassesTake) {
   }
   soundness.expect_enough();
   EXPECT_GE(with_base, least_of(50));
+}
+
+/// Parts in each other's way, some of which leave together: what is moved twice is counted.
+TEST(CertificateTest, PricesCountWhatLeavesTogether) {
+  Soundness soundness;
+  int tight = 0;
+  int with_base = 0;
+  for (std::uint64_t seed = 0; seed < some_of(10 * kSeeds); ++seed) {
+    ProblemSpec spec = problem_of_pieces(seed);
+    spec.direction = seed % 2 == 0 ? Direction::Disassembly : Direction::Assembly;
+    spec.limits = {};
+    SplitMix64 random(seed ^ 0x746f676574686572ULL);
+    for (Part& part : spec.parts) part.mass = 0.5 + 0.25 * static_cast<double>(random.below(9));
+    if (spec.base.empty() && seed % 3 == 0) spec.base = {spec.parts.back().id};
+    if (spec.base.size() > 1) spec.base.resize(1);
+    spec.blocking = Blocking{};
+    spec.blocking->directions = {"+x", "-x", "+y", "-y"};
+    if (seed % 4 == 0) spec.blocking->directions.resize(2);
+    for (const Part& part : spec.parts) {
+      for (const Part& by : spec.parts) {
+        if (part.id == by.id || random.below(3) != 0) continue;
+        const auto& direction =
+            spec.blocking->directions[random.below(spec.blocking->directions.size())];
+        spec.blocking->blocked.push_back({part.id, by.id, {direction.id}});
+      }
+    }
+    spec.objective = Objective::named("fuel");
+    if (seed % 4 == 1)
+      spec.objective = {"sum", WeightedSum{.terms = {{0.7, Objective::named("fuel")},
+                                                     {1, Objective::named("completion")}}}};
+    SCOPED_TRACE(seed);
+    const Problem problem(spec);
+    const Certified plain = make_certificate(problem, kInfinity, 0);
+    if (!plain.certificate || plain.certificate->kind != Certificate::Kind::Prices) continue;
+    // Asked for less than prices alone prove, but by states, which know no more than there is.
+    const Certified wanted = make_certificate(problem, plain.certificate->bound - 1e-6, 0);
+    if (!wanted.certificate || wanted.certificate->together.empty()) continue;
+    const oracle::WideResult truth = oracle::wide_brute_force(spec);
+    EXPECT_TRUE(true_claim(wanted.certificate->bound, truth)) << wanted.certificate->bound;
+    EXPECT_LT(wanted.certificate->bound, plain.certificate->bound);
+    if (truth.best && *truth.best > wanted.certificate->bound - 1e-6) ++tight;
+    with_base += spec.base.empty() ? 0 : 1;
+    for (int i = 0; i < 10; ++i) soundness.look_at(problem, *wanted.certificate, truth, random);
+    if (HasFailure()) return;
+  }
+  soundness.expect_enough();
+  EXPECT_GE(tight, least_of(30));
+  EXPECT_GE(with_base, least_of(5));
 }
 
 /// Objectives that the connection and its place tell, alone and in a sum, and some that see more.

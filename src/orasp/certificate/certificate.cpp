@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "orasp/certificate/detail/earned.h"
+#include "orasp/certificate/detail/leaving.h"
 #include "orasp/certificate/detail/outward.h"
+#include "orasp/certificate/detail/piece_cuts.h"
 #include "orasp/certificate/detail/piece_proof.h"
 #include "orasp/certificate/detail/place_rewards.h"
 #include "orasp/certificate/detail/removals.h"
@@ -44,6 +46,47 @@ std::optional<Certificate> by_sizes(const Problem& problem, bool prices = false)
     }
   }
   return certificate;
+}
+
+/// Adds to prices which parts leave together, for those parts which by prices alone may stay.
+/// @returns false where nothing does.
+bool add_together(const Problem& problem, Certificate& certificate,
+                  const std::function<bool()>& stop) {
+  constexpr std::size_t kMostParts = 512;
+  const detail::SizeRewards rewards(problem, true);
+  bool any = false;
+  for (auto& piece :
+       detail::PieceCuts(problem).pieces_of(ConnectionSet::all(problem.num_connections()))) {
+    if (piece.size() > kMostParts) continue;
+    const std::vector<PartIndex> all = piece;
+    if (std::ranges::any_of(all, [&](PartIndex part) { return problem.in_base(part); }))
+      std::erase_if(piece, [&](PartIndex part) { return !problem.in_base(part); });
+    std::ranges::stable_sort(piece, {}, [&](PartIndex part) { return certificate.prices[part]; });
+    double best = -kInfinity;
+    for (const PartIndex stays : piece) {
+      if (stop()) return false;
+      // The part that costs least when it stays is left to the end; those after it cost more.
+      double worth = 0;
+      for (const PartIndex part : all) worth += part == stays ? 0 : certificate.prices[part];
+      if (worth <= best) break;
+      const detail::Leaving leaving(problem, all, stays);
+      const auto groups = leaving.groups();
+      for (const std::vector<PartIndex>& group : groups) {
+        double mass = 0;
+        double heaviest = 0;
+        for (const PartIndex part : group) {
+          mass += problem.parts()[part].mass;
+          heaviest = std::max(heaviest, problem.parts()[part].mass);
+        }
+        worth += rewards.price_of_mass(mass - heaviest);
+      }
+      best = std::max(best, worth);
+      if (groups.empty()) break;
+      certificate.together.push_back({stays, groups});
+      any = true;
+    }
+  }
+  return any;
 }
 
 /// Prices of connections and places, where these tell what steps earn.
@@ -202,7 +245,10 @@ Certified make_certificate(const Problem& problem, std::optional<double> reward,
   }
   auto sizes = by_sizes(problem);
   if (sizes && proves(*sizes)) return {sizes, {}};
-  if (auto found = by_sizes(problem, true); found && proves(*found)) return {found, {}};
+  if (auto found = by_sizes(problem, true)) {
+    if (proves(*found)) return {found, {}};
+    if (add_together(problem, *found, stop) && proves(*found)) return {found, {}};
+  }
   if (auto found = by_places(problem); found && proves(*found)) return {found, {}};
   if (auto& found = sizes) {
     const detail::SizeRewards rewards(problem);

@@ -46,6 +46,13 @@ struct Certificate {
   std::vector<double> sizes{};
   /// Prices: by part, 0 or less; 0 of a base part.
   std::vector<double> prices{};
+  /// Prices: groups of parts that are moved at once, whatever the plan, if one part of their piece
+  /// is never moved.
+  struct Together {
+    PartIndex stays{};
+    std::vector<std::vector<PartIndex>> groups{};  ///< of two or more, none of which is in another
+  };
+  std::vector<Together> together{};
   /// Places: by connection, and by how many are removed before.
   std::vector<double> connections{};
   std::vector<double> places{};

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 
 #include "orasp/certificate/certificate.h"
 #include "orasp/certificate/detail/earned.h"
+#include "orasp/certificate/detail/leaving.h"
 #include "orasp/certificate/detail/outward.h"
 #include "orasp/certificate/detail/piece_bound.h"
 #include "orasp/certificate/detail/piece_cuts.h"
@@ -69,6 +72,10 @@ class Checker {
   std::string fault_of_sizes();
   std::string fault_of_table(const SizeRewards& rewards);
   std::string fault_of_prices();
+  std::string fault_of_together(std::span<const PartIndex> piece, const Certificate::Together& said,
+                                std::size_t number);
+  [[nodiscard]] double worth_of_prices(std::span<const PartIndex> piece, PartIndex stays) const;
+  std::string prove_prices(const SizeRewards& rewards);
   std::string fault_of_places();
   std::string fault_of_pieces();
   [[nodiscard]] std::string fault_of_names(const PieceValues& values) const;
@@ -159,18 +166,87 @@ std::string Checker::fault_of_prices() {
                     : " is not from " + detail::number_text(least) + ", which moving " +
                           detail::in_quotes(problem_.part_id(part)) + " earns, to 0");
   }
+  return prove_prices(rewards);
+}
+
+// The prices of a piece without that of the part that stays.
+double Checker::worth_of_prices(std::span<const PartIndex> piece, PartIndex stays) const {
+  double sum = 0;
+  for (const PartIndex part : piece) {
+    if (part != stays) sum = add_up(sum, certificate_.prices[part]);
+  }
+  return sum;
+}
+
+std::string Checker::fault_of_together(std::span<const PartIndex> piece,
+                                       const Certificate::Together& said, std::size_t number) {
+  const std::string place = "together[" + std::to_string(number) + "]";
+  const detail::Leaving leaving(problem_, piece, said.stays);
+  if (!leaving.possible())
+    return place + ": some part could never leave " +
+           detail::in_quotes(problem_.part_id(said.stays));
+  std::vector<bool> seen(problem_.num_parts(), false);
+  seen[said.stays] = true;
+  for (const std::vector<PartIndex>& group : said.groups) {
+    for (const PartIndex part : group) {
+      const bool inside = std::ranges::find(piece, part) != piece.end();
+      ++inequalities_;
+      if (!inside || seen[part] || !leaving.together(group.front(), part))
+        return place + ": nothing makes " + detail::in_quotes(problem_.part_id(part)) + " leave " +
+               detail::in_quotes(problem_.part_id(said.stays)) + " together with " +
+               detail::in_quotes(problem_.part_id(group.front())) + " alone";
+      seen[part] = true;
+    }
+  }
+  return {};
+}
+
+// Follow the side that stays: it ends as one part, which is never moved, and each other part of the
+// piece ends as the last of what was moved in some cut. So the prices without that of the part that
+// stays are a bound, whichever it is; the greatest of them bounds all plans. What leaves it in one
+// move, M, is moved with all its mass, and then comes apart, by one cut fewer than it has parts, in
+// which all of them move once more but one. So beyond the prices of its parts it takes the price of
+// its mass without the heaviest of them; and so does each group in M, all groups together no more
+// than M.
+std::string Checker::prove_prices(const SizeRewards& rewards) {
+  const std::vector<double>& prices = certificate_.prices;
   prove_bound(rewards, PieceValues(problem_, rewards, certificate_.sizes));
   const detail::PieceCuts cuts(problem_);
+  std::vector<bool> told(problem_.num_parts(), false);
+  for (const Certificate::Together& said : certificate_.together) {
+    if (told[said.stays])
+      return "together: " + detail::in_quotes(problem_.part_id(said.stays)) + " stays twice";
+    told[said.stays] = true;
+  }
   for (const auto& piece : cuts.pieces_of(ConnectionSet::all(problem_.num_connections()))) {
-    const auto stays =
+    const auto base =
         std::ranges::find_if(piece, [&](PartIndex part) { return problem_.in_base(part); });
-    const PartIndex last =
-        stays != piece.end()
-            ? *stays
-            : *std::ranges::min_element(piece, {}, [&](PartIndex part) { return prices[part]; });
-    for (const PartIndex part : piece) {
-      if (part != last && proved_ > -kInfinity) proved_ = add_up(proved_, prices[part]);
+    double most = -kInfinity;
+    for (std::size_t i = 0; i < certificate_.together.size(); ++i) {
+      const Certificate::Together& said = certificate_.together[i];
+      if (std::ranges::find(piece, said.stays) == piece.end()) continue;
+      if (std::string fault = fault_of_together(piece, said, i); !fault.empty()) return fault;
+      if (base != piece.end() && said.stays != *base) continue;  // the base part is what stays
+      double worth = worth_of_prices(piece, said.stays);
+      for (const std::vector<PartIndex>& group : said.groups) {
+        double mass = 0;
+        double heaviest = 0;
+        for (const PartIndex part : group) {
+          mass += problem_.parts()[part].mass;
+          heaviest = std::max(heaviest, problem_.parts()[part].mass);
+        }
+        worth = add_up(worth, rewards.price_of_mass(std::max(0.0, mass - heaviest)));
+      }
+      most = std::max(most, worth);
     }
+    // Of those of which nothing is said the one that costs most to move.
+    std::optional<PartIndex> last;
+    for (const PartIndex part : piece) {
+      if (told[part] || (base != piece.end() && part != *base)) continue;
+      if (!last || prices[part] < prices[*last]) last = part;
+    }
+    if (last) most = std::max(most, worth_of_prices(piece, *last));
+    if (proved_ > -kInfinity) proved_ = add_up(proved_, most);
   }
   return {};
 }

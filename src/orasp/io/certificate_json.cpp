@@ -83,6 +83,7 @@ class CertificateReader {
       case Certificate::Kind::Prices:
         certificate_.sizes = numbers("sizes");
         certificate_.prices = numbers("prices");
+        if (members_.contains("together")) read_together();
         break;
       case Certificate::Kind::Places:
         certificate_.connections = numbers("connections");
@@ -238,6 +239,29 @@ class CertificateReader {
           certificate_.waiting.push_back(problem_.find_connection(text(id, place), place));
         });
   }
+  void read_together() {
+    expect(member("together"), JsonKind::Array, "together", "an array of parts and groups")
+        .for_each([&](JsonValue entry) {
+          const std::string place = fmt::format("together[{}]", certificate_.together.size());
+          expect(entry, JsonKind::Array, place, "the part that stays, and groups of parts");
+          Certificate::Together together;
+          std::size_t at = 0;
+          entry.for_each([&](JsonValue value) {
+            const std::string here = fmt::format("{}[{}]", place, at);
+            if (at++ == 0) {
+              together.stays = problem_.find_part(text(value, here), here);
+              return;
+            }
+            std::vector<PartIndex>& group = together.groups.emplace_back();
+            expect(value, JsonKind::Array, here, "part ids").for_each([&](JsonValue id) {
+              const std::string one = fmt::format("{}[{}]", here, group.size());
+              group.push_back(problem_.find_part(text(id, one), one));
+            });
+          });
+          if (at == 0) throw InputError(detail::at(place, "the part that stays is missing"));
+          certificate_.together.push_back(std::move(together));
+        });
+  }
   void read_parts() {
     const JsonValue parts = expect(member("parts"), JsonKind::Array, "parts", "two part ids");
     if (parts.size() != 2)
@@ -254,6 +278,20 @@ class CertificateReader {
   std::map<std::string, JsonValue, std::less<>> members_;
   std::map<std::string, bool, std::less<>> asked_;
 };
+
+nlohmann::ordered_json together_json(const Problem& problem, const Certificate& certificate) {
+  auto all = nlohmann::ordered_json::array();
+  for (const Certificate::Together& together : certificate.together) {
+    auto entry = nlohmann::ordered_json::array({problem.part_id(together.stays)});
+    for (const std::vector<PartIndex>& group : together.groups) {
+      auto ids = nlohmann::ordered_json::array();
+      for (const PartIndex part : group) ids.push_back(problem.part_id(part));
+      entry.push_back(std::move(ids));
+    }
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
 
 }  // namespace
 
@@ -276,6 +314,7 @@ std::string certificate_text(const Problem& problem, const Certificate& certific
     case Certificate::Kind::Prices:
       put_numbers("sizes", certificate.sizes);
       put_numbers("prices", certificate.prices);
+      if (!certificate.together.empty()) put("together", together_json(problem, certificate));
       break;
     case Certificate::Kind::Places:
       put_numbers("connections", certificate.connections);

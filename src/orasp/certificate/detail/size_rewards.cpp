@@ -189,6 +189,19 @@ double SizeRewards::price(PartIndex part) const {
   return all_together(sum, attempts_);
 }
 
+// The masses of a group may be added in any order.
+double SizeRewards::price_of_mass(double mass) const {
+  constexpr double kLost = 1e-11;
+  double sum = 0;
+  for (const auto& [weight, parameters] : priced_) {
+    if (const auto* const fuel = std::get_if<Fuel>(parameters))
+      sum = add_up(
+          sum,
+          propellant(weight, {.dry_mass = 0, .delta_v = fuel->delta_v, .isp = fuel->isp}, mass));
+  }
+  return std::min(0.0, add_up(sum, kLost * std::abs(sum)));
+}
+
 double SizeRewards::transfer(double weight, double seconds) const {
   const double moved = multiply_up(weight, -seconds);
   return some_stay_ ? std::max(0.0, moved) : moved;

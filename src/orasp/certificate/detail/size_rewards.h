@@ -40,6 +40,8 @@ class SizeRewards {
   /// What was left out, of a cut that moves `part`, with whatever else: at most this. What moves
   /// weighs at least as much as the part, and more propellant is burnt for more mass.
   [[nodiscard]] double price(PartIndex part) const;
+  /// What was left out, of the kilograms that a cut moves beyond those of one price: at most this.
+  [[nodiscard]] double price_of_mass(double mass) const;
   /// Whether anything was left out.
   [[nodiscard]] bool priced() const { return !priced_.empty(); }
 
