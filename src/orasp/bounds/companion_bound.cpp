@@ -62,13 +62,11 @@ CompanionBound::Best CompanionBound::of_piece(std::span<const PartIndex> piece) 
   // Those that cost most to move stay first.
   std::ranges::stable_sort(may_stay, {}, [&](PartIndex part) { return gains_[part]; });
   best.most = -kInfinity;
-  const auto parts = static_cast<double>(piece.size());
-  const double work = parts * parts * static_cast<double>(world_->ways() * world_->words());
   double left = kMostWork;
   for (const PartIndex stays : may_stay) {
     const double others = fixed > 0 ? sum : sum - gains_[stays];
     if (others <= best.most) break;
-    left -= work;
+    left -= work_of_a_look();
     if (left < 0) {
       // Those that are not looked at leave no more to others than this one.
       best.most = others;
@@ -85,6 +83,11 @@ CompanionBound::Best CompanionBound::of_piece(std::span<const PartIndex> piece) 
   // Whether there is a plan at all is for others to say.
   if (!best.departures) best.most = fixed > 0 ? sum : sum - gains_[may_stay.front()];
   return best;
+}
+
+double CompanionBound::work_of_a_look() const {
+  const auto parts = static_cast<double>(gains_.size());
+  return parts * parts * static_cast<double>(world_->ways() * world_->words());
 }
 
 double CompanionBound::cost_of_moving_together(std::span<const PartIndex> group) const {

@@ -53,6 +53,8 @@ class CompanionBound {
   };
   /// Of a piece of the start, or of parts of one that hang together. If known().
   [[nodiscard]] Best of_piece(std::span<const PartIndex> piece) const;
+  /// About how many words Departures of a piece of all parts look at.
+  [[nodiscard]] double work_of_a_look() const;
   /// What `group` costs beyond its parts one by one, if it is moved at once.
   [[nodiscard]] double cost_of_moving_together(std::span<const PartIndex> group) const;
   /// The same of all groups of companions.

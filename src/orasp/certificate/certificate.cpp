@@ -71,15 +71,7 @@ bool add_together(const Problem& problem, Certificate& certificate,
       if (worth <= best) break;
       const detail::Leaving leaving(problem, all, stays);
       const auto groups = leaving.groups();
-      for (const std::vector<PartIndex>& group : groups) {
-        double mass = 0;
-        double heaviest = 0;
-        for (const PartIndex part : group) {
-          mass += problem.parts()[part].mass;
-          heaviest = std::max(heaviest, problem.parts()[part].mass);
-        }
-        worth += rewards.price_of_mass(mass - heaviest);
-      }
+      for (const std::vector<PartIndex>& group : groups) worth += rewards.price_of_group(group);
       best = std::max(best, worth);
       if (groups.empty()) break;
       certificate.together.push_back({stays, groups});

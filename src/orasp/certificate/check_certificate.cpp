@@ -228,15 +228,8 @@ std::string Checker::prove_prices(const SizeRewards& rewards) {
       if (std::string fault = fault_of_together(piece, said, i); !fault.empty()) return fault;
       if (base != piece.end() && said.stays != *base) continue;  // the base part is what stays
       double worth = worth_of_prices(piece, said.stays);
-      for (const std::vector<PartIndex>& group : said.groups) {
-        double mass = 0;
-        double heaviest = 0;
-        for (const PartIndex part : group) {
-          mass += problem_.parts()[part].mass;
-          heaviest = std::max(heaviest, problem_.parts()[part].mass);
-        }
-        worth = add_up(worth, rewards.price_of_mass(std::max(0.0, mass - heaviest)));
-      }
+      for (const std::vector<PartIndex>& group : said.groups)
+        worth = add_up(worth, rewards.price_of_group(group));
       most = std::max(most, worth);
     }
     // Of those of which nothing is said the one that costs most to move.

@@ -190,14 +190,20 @@ double SizeRewards::price(PartIndex part) const {
 }
 
 // The masses of a group may be added in any order.
-double SizeRewards::price_of_mass(double mass) const {
+double SizeRewards::price_of_group(std::span<const PartIndex> group) const {
   constexpr double kLost = 1e-11;
+  double mass = 0;
+  double heaviest = 0;
+  for (const PartIndex part : group) {
+    mass += problem_.parts()[part].mass;
+    heaviest = std::max(heaviest, problem_.parts()[part].mass);
+  }
   double sum = 0;
   for (const auto& [weight, parameters] : priced_) {
-    if (const auto* const fuel = std::get_if<Fuel>(parameters))
-      sum = add_up(
-          sum,
-          propellant(weight, {.dry_mass = 0, .delta_v = fuel->delta_v, .isp = fuel->isp}, mass));
+    const auto* const fuel = std::get_if<Fuel>(parameters);
+    if (fuel == nullptr) continue;
+    const Fuel without_tug{.dry_mass = 0, .delta_v = fuel->delta_v, .isp = fuel->isp};
+    sum = add_up(sum, propellant(weight, without_tug, std::max(0.0, mass - heaviest)));
   }
   return std::min(0.0, add_up(sum, kLost * std::abs(sum)));
 }

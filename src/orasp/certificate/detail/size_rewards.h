@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "orasp/certificate/detail/attempts.h"
@@ -40,8 +41,9 @@ class SizeRewards {
   /// What was left out, of a cut that moves `part`, with whatever else: at most this. What moves
   /// weighs at least as much as the part, and more propellant is burnt for more mass.
   [[nodiscard]] double price(PartIndex part) const;
-  /// What was left out, of the kilograms that a cut moves beyond those of one price: at most this.
-  [[nodiscard]] double price_of_mass(double mass) const;
+  /// What was left out, of all that a group of parts weighs but the heaviest of them, where a cut
+  /// moves the group: at most this, beyond the fixed amount of each cut.
+  [[nodiscard]] double price_of_group(std::span<const PartIndex> group) const;
   /// Whether anything was left out.
   [[nodiscard]] bool priced() const { return !priced_.empty(); }
 

@@ -14,13 +14,19 @@
 namespace orasp::detail {
 namespace {
 
-/// The most Departures that are looked at.
-constexpr std::size_t kMostLooks = 5'000;
+/// About how many words all Departures may look at: a second or two.
+constexpr double kMostWork = 2e8;
+constexpr double kMostLooks = 2'000;
 
 class Search {
  public:
   Search(const TransitionSystem& system, const CompanionBound& bound, const Budget& budget)
-      : system_(system), bound_(bound), budget_(budget), left_(system.start()) {}
+      : system_(system),
+        bound_(bound),
+        budget_(budget),
+        left_(system.start()),
+        most_looks_(static_cast<std::size_t>(
+            std::min(kMostLooks, kMostWork / std::max(1.0, bound.work_of_a_look())))) {}
 
   /// Takes apart a piece of which all connections are left. Whether that was possible at its bound.
   [[nodiscard]] bool take_apart(std::span<const PartIndex> piece) {
@@ -41,7 +47,7 @@ class Search {
     if (failed_.contains(now.parts())) return false;
     for (const std::vector<PartIndex>& group : now.groups()) {
       if (!now.may_leave(group) || !comes_apart(group)) continue;
-      if (++looks_ > kMostLooks || budget_.expired() != Stop::None) return false;
+      if (++looks_ > most_looks_ || budget_.expired() != Stop::None) return false;
       const double rest = cost - bound_.cost_of_moving_together(group);
       const Departures then = now.without(group);
       if (!then.possible()) continue;
@@ -50,7 +56,7 @@ class Search {
       take_off(group);
       if (go_on(then, rest)) return true;
       put_back(before);
-      if (looks_ > kMostLooks) return false;
+      if (looks_ > most_looks_) return false;
     }
     failed_.insert(now.parts());
     return false;
@@ -125,6 +131,7 @@ class Search {
   std::vector<ConnectionIndex> order_;
   std::set<std::vector<PartIndex>> failed_;
   std::map<std::vector<PartIndex>, std::optional<std::vector<ConnectionIndex>>> groups_;
+  std::size_t most_looks_;
   std::size_t looks_ = 0;
 };
 

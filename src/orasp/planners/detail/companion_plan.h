@@ -18,7 +18,7 @@ namespace orasp::detail {
 /// Guarantee.  The plan is replayed by check_plan, which says what it earns and whether it obeys
 ///             the rules. Where none is returned, there may be one all the same.
 /// Cost.       Some Departures for each group, most of which are worked out from those before: 69
-///             parts take 50 ms. It stops after kMostLooks of them, and with the budget.
+///             parts take 16 ms. It gives up after a second or two, and ends with the budget.
 [[nodiscard]] Result companion_plan(const TransitionSystem& system, const CompanionBound& bound,
                                     const Budget& budget);
 
