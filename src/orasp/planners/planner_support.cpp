@@ -189,6 +189,7 @@ std::optional<double> bound_of_start(const TransitionSystem& system) {
 
 std::optional<Result> checked_plan(const TransitionSystem& system,
                                    std::vector<ConnectionIndex> order) {
+  if (system.ordered()) return std::nullopt;
   const bool backwards = system.completes_first();
   if (backwards) std::ranges::reverse(order);
   PlanCheck check;

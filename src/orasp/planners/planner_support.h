@@ -65,7 +65,9 @@ template <class Options, class Plan>
 }
 
 /// The plan that handles connections in this order, from the start of `system` on, with what it
-/// earns; empty where that breaks a rule. By check_plan, not by the rules of the planners.
+/// earns; empty where that breaks a rule. By check_plan, not by the rules of the planners; since it
+/// does not ask what else could be done instead, it is empty where the order of the work matters in
+/// itself (TransitionSystem::ordered).
 [[nodiscard]] std::optional<Result> checked_plan(const TransitionSystem& system,
                                                  std::vector<ConnectionIndex> order);
 

@@ -140,7 +140,7 @@ class Search {
 Result companion_plan(const TransitionSystem& system, const CompanionBound& bound,
                       const Budget& budget) {
   Result result;
-  if (!bound.known()) return result;
+  if (!bound.known() || system.ordered()) return result;
   Search search(system, bound, budget);
   bool apart = true;
   system.rules().graph.for_each_piece(
