@@ -399,11 +399,11 @@ class Import(Case):
     @has_models
     def test_ctrl_c_stops_with_nothing_written(self):
         target = self.folder / "x.json"
-        with subprocess.Popen([PROGRAM, "import", MODELS / "Nema23_LeadScrew.step", "-o", target],
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
-            wait_for_work(running, 0.4)
-            running.send_signal(signal.SIGINT)
-            out, error = running.communicate(timeout=60)
+        running = self.not_beyond(subprocess.Popen([PROGRAM, "import", MODELS / "Nema23_LeadScrew.step", "-o", target],
+                                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE))
+        wait_for_work(running, 0.4)
+        running.send_signal(signal.SIGINT)
+        out, error = running.communicate(timeout=60)
         self.assertEqual((running.returncode, out), (20, b""), error)
         self.assertIn(b"nothing was written", error)
         self.assertEqual(os.listdir(self.folder), [])

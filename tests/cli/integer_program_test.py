@@ -66,8 +66,8 @@ class IntegerProgram(Case):
         self.assertEqual((answer.code, json.loads(answer.out)["status"]), (0, "optimal"), answer.error)
 
     def test_ctrl_c_ends_the_solver_with_the_best_plan_so_far(self):
-        process = subprocess.Popen([PROGRAM, "solve", "hubble", "--method", "mip", "--json"], stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True)
+        process = self.not_beyond(subprocess.Popen([PROGRAM, "solve", "hubble", "--method", "mip", "--json"],
+                                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
         wait_for_work(process, 1.2)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=60)

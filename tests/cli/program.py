@@ -97,6 +97,20 @@ class Case(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
+    def not_beyond(self, process):
+        """The process, which ends with the test, also where that fails before it has ended."""
+        def end():
+            if process.poll() is not None:
+                return
+            process.terminate()  # mpirun then ends its ranks
+            try:
+                process.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self.addCleanup(end)
+        return process
+
     def file(self, name, content):
         path = self.folder / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())

@@ -208,7 +208,8 @@ class Ranks(Case):
         for times, status in ((1, "feasible"), (2, "failed")):
             with self.subTest(times=times):
                 # Of these only the second takes a while.
-                process = start(2, "compare", "3piece", "lattice", "2x3", "--methods", "exhaustive", "--csv", "--time-limit", "1")
+                process = self.not_beyond(start(2, "compare", "3piece", "lattice", "2x3", "--methods", "exhaustive", "--csv",
+                                                "--time-limit", "1"))
                 self.kill_workers(process, times)
                 out, error = process.communicate(timeout=60)
                 rows = [line.split(",") for line in out.splitlines()[1:]]
@@ -220,7 +221,7 @@ class Ranks(Case):
                     self.assertIn("lattice failed on two ranks: killed by signal 9 (Killed)", error)
 
     def test_the_processes_of_a_killed_rank_end_with_it(self):
-        process = start(2, "compare", "lattice", "lattice", "--methods", "exhaustive", "--time-limit", "60")
+        process = self.not_beyond(start(2, "compare", "lattice", "lattice", "--methods", "exhaustive", "--time-limit", "60"))
         workers = wait_until(lambda: len(found := workers_of(process)) >= 2 and found)
         os.kill(int(children_of(process.pid)[1]), signal.SIGKILL)
         process.communicate(timeout=60)
@@ -228,7 +229,8 @@ class Ranks(Case):
         wait_until(lambda: not any(Path("/proc", worker).exists() for worker in workers), within=10)
 
     def test_a_stop_of_compare_prints_the_rows_so_far(self):
-        process = start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv", **PATIENT)
+        process = self.not_beyond(start(2, "compare", "2x3", "lattice", "lattice", "lattice", "--methods", "exhaustive", "--csv",
+                                        **PATIENT))
         # The first row takes a moment; then both ranks are at the second and third.
         wait_until(lambda: len(found := workers_of(process)) == 2 and min(map(time_used, found)) >= 0.5)
         process.send_signal(signal.SIGINT)
@@ -244,7 +246,7 @@ class Ranks(Case):
             words = [self.file("tree.json", orasp("scenarios", "tree:30:1").out)]
         else:
             words = ["iss", "--objective", "fuel", "--bound", "connections", "--memory-limit", "300"]
-        return start(3, "solve", *words, "--method", method, "-o", str(file), **environment), file
+        return self.not_beyond(start(3, "solve", *words, "--method", method, "-o", str(file), **environment)), file
 
     def test_a_killed_rank_ends_all_and_leaves_no_half_file(self):
         random = Random(7)

@@ -19,8 +19,8 @@ from program import ENDLESS, PROGRAM, Case, orasp, smoke, threads, wait_for_work
 class Stopping(Case):
     def start(self, *arguments, **options):
         # A shell may have started us in the background with SIGINT ignored.
-        return subprocess.Popen([PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **options)
+        return self.not_beyond(subprocess.Popen([PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **options))
 
     @smoke
     @threads

@@ -116,12 +116,12 @@ class Train(Case):
         policy = self.trained("iss", "--time-limit", "10", "--to-the-end", "--quiet")
         self.assertEqual(orasp("solve", "iss", "--method", "dqn", "--policy", policy).code, 0)
         policy.unlink()
-        with subprocess.Popen([PROGRAM, "train", "iss", "--to-the-end", "-o", policy], stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE,
-                              preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as process:
-            process.stderr.readline()  # the first round is over
-            process.send_signal(signal.SIGINT)
-            out, _ = process.communicate(timeout=60)
+        process = self.not_beyond(subprocess.Popen([PROGRAM, "train", "iss", "--to-the-end", "-o", policy],
+                                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)))
+        process.stderr.readline()  # the first round is over
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 20)
         self.assertIn("interrupted", out.decode())
         self.assertEqual(orasp("solve", "iss", "--method", "dqn", "--policy", policy).code, 0)
