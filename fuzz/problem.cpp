@@ -24,13 +24,17 @@ std::optional<Result> answer(const Problem& problem, std::string_view method) {
   return accepted([&] { return solve(problem, method, {}, budget); });
 }
 
-/// The greatest reward of a step of a plan, by size: the measure of what rounding may do.
+/// The greatest that a step of a plan earns until it succeeds, by size: the measure of what
+/// rounding may do.
 double check_plan(const Problem& problem, const Result& result) {
   if (!result.has_plan()) return 0;
   const Evaluation replay = evaluate(problem, result.sequence);
   require(replay.valid, "a plan is legal");
   double greatest = 0;
-  for (const Step& step : replay.steps) greatest = std::max(greatest, std::abs(step.reward));
+  for (const Step& step : replay.steps) {
+    const double attempts = 1 / problem.connections()[step.connection].success;
+    greatest = std::max(greatest, std::abs(step.reward) * attempts);
+  }
   require(
       problem.uncertain() || same_sum(replay.reward, result.reward, greatest, replay.steps.size()),
       "a plan earns what its method says");

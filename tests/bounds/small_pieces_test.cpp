@@ -1,5 +1,8 @@
 #include "orasp/bounds/small_pieces.h"
 
+#include <cmath>
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,17 +22,19 @@ double between(SplitMix64& random, double least, double most) {
   return least + (most - least) * random.uniform();
 }
 
-/// Nine parts at random places around the depot, joined by a random tree and some more connections;
-/// in every third problem with one base part, in every third with two.
+/// Nine parts at random places around the depot, or some metres beside it, joined by a random tree
+/// and some more connections; in every third problem with one base part, in every third with two.
 ProblemSpec random_product(std::uint64_t seed, const std::string& objective) {
   SplitMix64 random(seed);
   ProblemSpec spec;
   spec.name = "p" + std::to_string(seed);
+  const double beside = 3 * static_cast<double>(seed % 4);
   for (std::size_t p = 0; p < kParts; ++p) {
     Part part;
     part.id = std::string(1, static_cast<char>('a' + p));
     part.mass = between(random, 1, 5);
-    part.position = Vector3{between(random, -3, 3), between(random, -3, 3), between(random, -3, 3)};
+    part.position =
+        Vector3{between(random, -3, 3) + beside, between(random, -3, 3), between(random, -3, 3)};
     spec.parts.push_back(part);
   }
   std::vector<std::vector<bool>> joined(kParts, std::vector<bool>(kParts, false));
@@ -46,6 +51,13 @@ ProblemSpec random_product(std::uint64_t seed, const std::string& objective) {
   for (std::size_t base = seed % 3; base > 0; --base) spec.base.push_back(spec.parts[base * 2].id);
   spec.objective = Objective::named(objective);
   return spec;
+}
+
+/// What is known of the larger moves of a problem.
+LargerMoves larger_moves(const TransitionSystem& system, Expander& expander) {
+  return LargerMoves::of(
+      system, system.problem().base().empty() ? kParts / 2 : kParts - 1,
+      [&](std::size_t moved, std::size_t kept) { return expander.greatest_gain(moved, kept); });
 }
 
 /// The parts of a set of bits.
@@ -80,8 +92,9 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
       const TransitionSystem system(problem);
       Expander expander(system);
       SCOPED_TRACE(spec.name + " " + objective);
+      const LargerMoves moves = seed % 8 == 0 ? LargerMoves{} : larger_moves(system, expander);
       for (std::size_t listed = 1; listed < kParts; ++listed) {
-        const SmallPieces pieces(expander, problem, listed, {});
+        const SmallPieces pieces(system, expander, listed, moves, {});
         ASSERT_TRUE(pieces.known());
         std::vector<double> bounds(1U << kParts, -kInfinity);
         for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
@@ -112,6 +125,96 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
   }
 }
 
+/// random_product() with parts in each other's way.
+ProblemSpec blocked_product(std::uint64_t seed, const std::string& objective) {
+  ProblemSpec spec = random_product(seed, objective);
+  SplitMix64 random(seed + 1000);
+  spec.blocking = Blocking{};
+  spec.blocking->directions = {"+x", "-x", "+z", "-z"};
+  for (const Part& part : spec.parts) {
+    for (const Part& by : spec.parts) {
+      if (part.id == by.id || random.below(10) > 1 + seed % 3) continue;
+      const BlockingDirection& direction = spec.blocking->directions[random.below(4)];
+      spec.blocking->blocked.push_back({part.id, by.id, {direction.id}});
+    }
+  }
+  return spec;
+}
+
+// Prices pay no heed to sets that blocking keeps from coming off a large piece. So the bound is
+// kept by every cut of the pieces that legal cuts lead to.
+TEST(SmallPieces, EveryLegalCutOfBlockedPartsKeepsTheBound) {
+  std::size_t tighter = 0;
+  std::size_t plans = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+      const Problem problem(blocked_product(seed, objective));
+      const TransitionSystem system(problem);
+      Expander expander(system);
+      SCOPED_TRACE(problem.spec().name + " " + objective);
+      const std::size_t listed = 1 + seed % 6;
+      const SmallPieces pieces(system, expander, listed, larger_moves(system, expander), {});
+      ASSERT_TRUE(pieces.known());
+      // By piece: the most that its cuts gain, -infinity where it cannot be taken apart. NaN: not
+      // yet asked.
+      std::vector<double> value(1U << kParts, std::numeric_limits<double>::quiet_NaN());
+      const std::function<double(unsigned)> value_of = [&](unsigned bits) {
+        if (!std::isnan(value[bits])) return value[bits];
+        const double bound = pieces.bound(parts_of(bits));
+        double most = parts_of(bits).size() == 1 ? 0 : -kInfinity;
+        for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+          const unsigned first = 1U << static_cast<std::size_t>(problem.ends(c)[0]);
+          const unsigned second = 1U << static_cast<std::size_t>(problem.ends(c)[1]);
+          for (unsigned a = (bits - 1) & bits; a != 0; a = (a - 1) & bits) {
+            const unsigned b = bits & ~a;
+            if ((a & first) == 0 || (b & second) == 0) continue;
+            if (!connected(problem, a) || !connected(problem, b)) continue;
+            const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
+            if (!gain) continue;
+            const double sides = value_of(a) + value_of(b);
+            EXPECT_GE(bound, *gain + pieces.bound(parts_of(a)) + pieces.bound(parts_of(b)) - 1e-9);
+            most = std::max(most, *gain + sides);
+          }
+        }
+        EXPECT_GE(bound, most - 1e-9);
+        return value[bits] = most;
+      };
+      const unsigned all = (1U << kParts) - 1;
+      if (value_of(all) == -kInfinity) continue;
+      ++plans;
+      ProblemSpec free = problem.spec();
+      free.blocking.reset();
+      const Problem without(free);
+      const TransitionSystem free_system(without);
+      Expander free_expander(free_system);
+      const SmallPieces free_pieces(free_system, free_expander, listed,
+                                    larger_moves(free_system, free_expander), {});
+      if (pieces.bound(parts_of(all)) < free_pieces.bound(parts_of(all)) - 1e-6) ++tighter;
+    }
+  }
+  EXPECT_GT(plans, 100U);
+  EXPECT_GT(tighter, 10U);
+}
+
+// A product beside the depot costs much more than one around it: large pieces that move are priced.
+TEST(SmallPieces, LargerMovesArePriced) {
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 3; seed < 60; seed += 12) {
+      const Problem problem(random_product(seed, objective));
+      const TransitionSystem system(problem);
+      Expander expander(system);
+      const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
+      const double blind = SmallPieces(system, expander, 2, {}, {}).bound(all);
+      const double priced =
+          SmallPieces(system, expander, 2, larger_moves(system, expander), {}).bound(all);
+      const double exact = SmallPieces(system, expander, 9, {}, {}).bound(all);
+      SCOPED_TRACE(problem.spec().name + " " + objective);
+      EXPECT_GE(priced, exact - 1e-9);
+      EXPECT_LT(priced - exact, 0.5 * (blind - exact));
+    }
+  }
+}
+
 // Where the sets of a size are too many, that size is not listed, and what is listed is found.
 TEST(SmallPieces, ListsTheSizesThatThereIsRoomFor) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -123,11 +226,11 @@ TEST(SmallPieces, ListsTheSizesThatThereIsRoomFor) {
       if (connected(problem, bits)) ++sets_up_to[parts_of(bits).size()];
     }
     for (std::size_t size = 1; size <= kParts; ++size) sets_up_to[size] += sets_up_to[size - 1];
-    const SmallPieces some(expander, problem, kParts, {.most_sets = sets_up_to[4]});
-    const SmallPieces up_to_four(expander, problem, 4, {});
+    const SmallPieces some(system, expander, kParts, {}, {.most_sets = sets_up_to[4]});
+    const SmallPieces up_to_four(system, expander, 4, {}, {});
     EXPECT_TRUE(some.more_could_be_listed());
     EXPECT_FALSE(
-        SmallPieces(expander, problem, SmallPieces::kMostListed, {}).more_could_be_listed());
+        SmallPieces(system, expander, SmallPieces::kMostListed, {}, {}).more_could_be_listed());
     for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
       if (!connected(problem, bits)) continue;
       EXPECT_EQ(some.bound(parts_of(bits)), up_to_four.bound(parts_of(bits)));
@@ -143,8 +246,8 @@ TEST(SmallPieces, PricesTellWhatPlansCostAtLeast) {
     const TransitionSystem system(problem);
     Expander expander(system);
     const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
-    const double exact = SmallPieces(expander, problem, SmallPieces::kMostListed, {}).bound(all);
-    const double priced = SmallPieces(expander, problem, 5, {}).bound(all);
+    const double exact = SmallPieces(system, expander, SmallPieces::kMostListed, {}, {}).bound(all);
+    const double priced = SmallPieces(system, expander, 5, {}, {}).bound(all);
     EXPECT_LT(priced, -1);
     EXPECT_GE(priced, exact - 1e-9);
     PieceBound used(system, PieceBound::Kind::Both);
@@ -169,9 +272,9 @@ TEST(SmallPieces, TheSideThatMovesPaysForItself) {
   const TransitionSystem system(problem);
   Expander expander(system);
   const std::vector<PartIndex> all = parts_of((1U << kParts) - 1);
-  const double exact = SmallPieces(expander, problem, SmallPieces::kMostListed, {}).bound(all);
+  const double exact = SmallPieces(system, expander, SmallPieces::kMostListed, {}, {}).bound(all);
   const double cut = exact / (kParts - 1);
-  const double priced = SmallPieces(expander, problem, 4, {}).bound(all);
+  const double priced = SmallPieces(system, expander, 4, {}, {}).bound(all);
   EXPECT_LE(priced, 7 * cut);
   EXPECT_GE(priced, 8 * cut - 1e-9);
 }

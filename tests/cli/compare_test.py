@@ -54,7 +54,7 @@ class Compare(Case):
         self.assertEqual(len({line.count("|") for line in lines}), 1)
 
     def test_a_limit_holds_for_each_run_and_is_no_failure(self):
-        answer = orasp("compare", "grid:5x5", "--methods", "orasp-search,greedy", "--objective", "travel",
+        answer = orasp("compare", "grid:10x10", "--methods", "orasp-search,greedy", "--objective", "time",
                        "--time-limit", "0.3", "--json")
         self.check(answer, 0)
         self.assertEqual(json.loads(answer.out)["rows"][0]["message"].split(";")[0], "stopped by the time limit")

@@ -81,7 +81,7 @@ class Stopping(Case):
             self.assertLessEqual({path.name for path in self.folder.iterdir()}, {"plan.json", "page.html"})
 
     def test_compare_and_sample_print_what_they_have(self):
-        process = self.start("compare", "grid:2x2", "grid:5x5", "--methods", "greedy,orasp-search", "--objective", "travel", "--json")
+        process = self.start("compare", "grid:2x2", "grid:10x10", "--methods", "greedy,orasp-search", "--objective", "time", "--json")
         wait_for_work(process, 0.8)
         process.send_signal(signal.SIGINT)
         out, error = process.communicate(timeout=20)
@@ -149,11 +149,13 @@ class Stopping(Case):
             self.skipTest("a sanitizer needs memory of its own")
         unbounded = self.folder / "unbounded.json"
         unbounded.write_text('{"type": "expression", "formula": "before*tan(moved_parts)"}', encoding="utf-8")
+        among = self.folder / "among.json"
+        among.write_text('{"type": "travel", "depot": [2, 2, 0]}', encoding="utf-8")
         # The whole process may hold 20 MiB more at any moment. How soon a method gets there tells how large the limit is.
         for method, limit, words in [("orasp-search", 50, ["iss", "--bound", "none"]),
-                                     ("a-star", 200, ["grid:5x5", "--objective", "travel"]),
+                                     ("a-star", 200, ["grid:5x5", "--objective", str(among)]),
                                      ("a-star", 200, ["grid:10x10", "--objective", "time"]),
-                                     ("beam", 60, ["grid:4x4", "--objective", "travel"]),
+                                     ("beam", 60, ["grid:4x4", "--objective", str(among)]),
                                      ("auto", 40, ["grid:5x5", "--objective", str(unbounded)])]:
             with self.subTest(method=method, words=words):
                 code = ("import resource, subprocess, sys; code = subprocess.run(sys.argv[1:]).returncode; "

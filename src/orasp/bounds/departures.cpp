@@ -203,4 +203,34 @@ bool Departures::may_leave(std::span<const PartIndex> group) const {
   return false;
 }
 
+bool Departures::may_leave_more(std::span<const PartIndex> group, std::size_t than) const {
+  const std::size_t words = world_->words();
+  std::vector<Word> own(words, 0);
+  for (const PartIndex part : group) put(own, part);
+  std::vector<Word> before(words);
+  for (std::size_t way = 0; way < world_->ways(); ++way) {
+    std::ranges::fill(before, Word{0});
+    const bool open = std::ranges::all_of(group, [&](PartIndex part) {
+      const std::span<const Word> set = set_of(part, way);
+      if (!holds(set, part)) return false;
+      add(before, set);
+      return true;
+    });
+    if (!open) continue;
+    // Who has left by then without the group has left before it.
+    std::size_t gone = 0;
+    for (std::size_t w = 0; w < words; ++w) {
+      before[w] &= ~own[w];
+      gone += static_cast<std::size_t>(std::popcount(before[w]));
+    }
+    bool possible = parts_.size() - gone > than;
+    for_each_part(before, [&](PartIndex other) {
+      const auto left = std::span(left_).subspan(other * words, words);
+      for (std::size_t w = 0; w < words; ++w) possible = possible && (left[w] & own[w]) == 0;
+    });
+    if (possible) return true;
+  }
+  return false;
+}
+
 }  // namespace orasp

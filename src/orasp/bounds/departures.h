@@ -54,6 +54,9 @@ class Departures {
   [[nodiscard]] const std::vector<std::vector<PartIndex>>& groups() const { return groups_; }
   /// Whether a group may leave at once, by all that is known.
   [[nodiscard]] bool may_leave(std::span<const PartIndex> group) const;
+  /// Whether a group, which does not hold the part that stays, may ever leave while there are more
+  /// than so many parts, itself among them.
+  [[nodiscard]] bool may_leave_more(std::span<const PartIndex> group, std::size_t than) const;
 
  private:
   using Word = std::uint64_t;

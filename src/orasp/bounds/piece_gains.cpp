@@ -32,7 +32,7 @@ PieceGains::PieceGains(const TransitionSystem& system, const ListingEffort& effo
     trees_ = CutTrees(system);
     if (in_table || expander.moving_more_costs_more()) {
       prices_ = PiecePrices(
-          expander, problem, units_, most_moved_,
+          system, expander, units_, most_moved_,
           [this](std::size_t moved, std::size_t kept) { return gain(moved, kept); }, effort);
     }
     if (!system.completes_first() && system.num_steps() > 0) measure_last_step(system, expander);

@@ -35,7 +35,7 @@ class PieceGains {
   /// by what is moved where moving more costs more.
   static constexpr std::size_t kMostPartsInTable = 4096;
 
-  /// `effort`: of SmallPieces.
+  /// `effort`: of SmallPieces. The system must outlive it.
   explicit PieceGains(const TransitionSystem& system, const ListingEffort& effort = {});
 
   /// False where the objective sees more than the piece, and where steps make connections.

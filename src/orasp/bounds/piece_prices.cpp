@@ -258,9 +258,10 @@ bool no_cut_gains(const PiecePrices::GainBySizes& gain, std::size_t parts) {
 
 }  // namespace
 
-PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartUnits& units,
+PiecePrices::PiecePrices(const TransitionSystem& system, Expander& expander, const PartUnits& units,
                          std::size_t most_moved, const GainBySizes& gain,
                          const ListingEffort& effort) {
+  const Problem& problem = system.problem();
   const std::size_t parts = problem.num_parts();
   prices_.assign(parts, -kInfinity);
   if (parts == 0) return;
@@ -278,15 +279,11 @@ PiecePrices::PiecePrices(Expander& expander, const Problem& problem, const PartU
   });
   if (most > kMostListed) {
     // Larger moved pieces are too many to list: what they gain at most is told from their sizes.
-    double larger = -kInfinity;
-    for (std::size_t a = kMostListed + 1; a <= most; ++a) {
-      const std::size_t least_kept = problem.base().empty() ? a : 1;
-      for (std::size_t b = least_kept; a + b <= parts; ++b)
-        larger = std::max(larger, gain(std::min(a, b), std::max(a, b)));
-    }
+    const LargerMoves moves = LargerMoves::of(system, most, gain);
+    const double larger = moves.gain(kMostListed);
     for (double& price : prices_) price = std::max(price, larger);
     if (!units.any() && no_cut_gains(gain, parts))
-      pieces_ = SmallPieces(expander, problem, SmallPieces::kMostListed, effort);
+      pieces_ = SmallPieces(system, expander, SmallPieces::kMostListed, moves, effort);
   } else if (most > 1 && !units.any()) {
     if (auto sets = list_moved_sets(expander, problem, graph, most_moved, small_)) {
       prices_ = CoveringPrices(std::move(*sets), parts).find();

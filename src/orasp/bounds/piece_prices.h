@@ -49,7 +49,8 @@ class PiecePrices {
 
   PiecePrices() = default;
   /// `most_moved`: the most parts that a cut may move. `effort`: of SmallPieces.
-  PiecePrices(Expander& expander, const Problem& problem, const PartUnits& units,
+  /// The system must outlive it.
+  PiecePrices(const TransitionSystem& system, Expander& expander, const PartUnits& units,
               std::size_t most_moved, const GainBySizes& gain, const ListingEffort& effort);
 
   /// Whether every part has a price.

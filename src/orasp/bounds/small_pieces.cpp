@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "orasp/bounds/partings.h"
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/tolerance.h"
 
@@ -53,7 +55,7 @@ class PackedCosts {
   }
 
   /// Without reserves.
-  [[nodiscard]] Answer find(const ListingEffort& effort) const {
+  [[nodiscard]] Answer find(const ListingEffort& effort) {
     Costs costs(rows_with_.size(), kInfinity);
     double scale = 0;
     for (const Row& row : rows_) {
@@ -62,14 +64,17 @@ class PackedCosts {
         cost = std::min(cost, row.room / static_cast<double>(row.size));
       }
     }
+    // Where no row holds a part, it is in none of the pieces that are moved or stay.
+    for (double& cost : costs) cost = std::isfinite(cost) ? cost : 0;
     Costs best = repaired(costs);
     for (const double cost : best) scale += cost / static_cast<double>(best.size());
     if (scale <= 0) return {best, sum(best)};
     Costs slope(costs.size(), 1.0);
     const auto work = std::max<std::size_t>(rows_.size(), 1);
-    const auto iterations = std::clamp<std::size_t>(30'000'000 / work, 200, 2000);
+    const auto iterations = std::clamp<std::size_t>(600'000'000 / work, 200, 2000);
     constexpr std::size_t kBetweenRepairs = 50;
     for (std::size_t i = 0; i < iterations; ++i) {
+      if (i % kBetweenRepairs == 0) choose_rows(costs);
       step_up(costs, slope, 0.05 * scale / (1 + 0.02 * static_cast<double>(i)));
       if (i % kBetweenRepairs != kBetweenRepairs - 1) continue;
       Costs valid = repaired(costs);
@@ -87,7 +92,8 @@ class PackedCosts {
   }
 
   /// Moves costs and reserves up along the subgradient, `steps` times by `step`.
-  void climb(Costs& costs, Costs& reserves, std::size_t steps, double step) const {
+  void climb(Costs& costs, Costs& reserves, std::size_t steps, double step) {
+    choose_rows(costs);
     constexpr double kStepOfReserves = 0.05;
     const Costs made_with = reserves;
     Costs up(costs.size());
@@ -95,7 +101,8 @@ class PackedCosts {
     for (; steps > 0; --steps) {
       std::ranges::fill(up, 1.0);
       std::ranges::fill(reserve_up, 0.0);
-      for (const Row& row : rows_) {
+      for (const std::uint32_t r : near_) {
+        const Row& row = rows_[r];
         double room = left(row, costs);
         if (row.reserves) room -= added(row.all(), reserves) - added(row.all(), made_with);
         if (row.num_lenders > 0)
@@ -128,9 +135,22 @@ class PackedCosts {
     for (const double cost : costs) total += cost;
     return total;
   }
+  /// Fills near_ with the rows that have least room left.
+  void choose_rows(const Costs& costs) {
+    constexpr std::size_t kMostNear = 4000;
+    near_.resize(rows_.size());
+    std::iota(near_.begin(), near_.end(), 0U);
+    if (rows_.size() <= kMostNear) return;
+    std::vector<double> room;
+    for (const Row& row : rows_) room.push_back(left(row, costs) / static_cast<double>(row.size));
+    std::ranges::nth_element(near_, near_.begin() + kMostNear, {},
+                             [&](std::uint32_t r) { return room[r]; });
+    near_.resize(kMostNear);
+  }
   void step_up(Costs& costs, Costs& slope, double step) const {
     std::ranges::fill(slope, 1.0);
-    for (const Row& row : rows_) {
+    for (const std::uint32_t r : near_) {
+      const Row& row = rows_[r];
       if (left(row, costs) >= 0) continue;
       for (std::size_t i = 0; i < row.size; ++i) slope[row.parts[i]] -= 1;
     }
@@ -155,9 +175,31 @@ class PackedCosts {
 
   std::vector<Row> rows_;
   std::vector<std::vector<std::uint32_t>> rows_with_;
+  std::vector<std::uint32_t> near_;
 };
 
 }  // namespace
+
+LargerMoves LargerMoves::of(const TransitionSystem& system, std::size_t most,
+                            GainBySizes by_sizes) {
+  const std::size_t parts = system.problem().num_parts();
+  // What moves is the smaller side, unless that is fixed.
+  const bool either_moves = !system.problem().base().empty();
+  LargerMoves moves;
+  moves.gain = [=, by_sizes = std::move(by_sizes)](std::size_t listed) {
+    double greatest = -kInfinity;
+    for (std::size_t moved = listed + 1; moved <= most; ++moved) {
+      for (std::size_t kept = either_moves ? 1 : moved; moved + kept <= parts; ++kept)
+        greatest = std::max(greatest, by_sizes(std::min(moved, kept), std::max(moved, kept)));
+    }
+    return greatest;
+  };
+  moves.gain_with = [&system, most](std::span<const PartIndex> moved, std::size_t listed,
+                                    double low_enough) {
+    return system.greatest_gain_of_moving_with(moved, listed + 1, most, low_enough);
+  };
+  return moves;
+}
 
 SmallPieces::Key SmallPieces::key_of(std::span<const PartIndex> sorted) {
   Key key{};
@@ -213,20 +255,26 @@ class SmallPieces::Lister {
     double moving;
     /// What its parts may cost together, minus their prices, is at most this.
     double room;
+    /// What it may owe where it stays of a larger piece.
+    double owed = 0;
     /// What its parts reserve together.
     double reserved;
     /// The two sets that make it up whose rooms are the least together, without reserves.
+    /// The same number twice where neither matters.
     std::array<std::uint32_t, 2> made_of;
     bool fixed;
+    /// Whether it may come off a piece that is not listed.
+    bool may_leave = true;
 
     [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
   };
 
-  Lister(Expander& expander, const Problem& problem, const ListingEffort& effort)
-      : expander_(expander),
-        problem_(problem),
+  Lister(const TransitionSystem& system, Expander& expander, const ListingEffort& effort)
+      : partings_(Partings::of(system)),
+        expander_(expander),
+        problem_(system.problem()),
         effort_(effort),
-        graph_(problem),
+        graph_(problem_),
         costs_(expander.least_extra_costs()) {}
 
   /// The greatest size of which all sets are listed.
@@ -258,20 +306,26 @@ class SmallPieces::Lister {
     return size;
   }
 
-  /// Works out value, moving and room of each set; `largest` is what list() returned. Keeps the
-  /// rows that the others do not imply.
+  /// Works out value, moving, owed and room of each set; `largest` is what list() returned. Keeps
+  /// the rows that the others do not imply.
   /// Nothing: there was no time for all.
-  std::optional<std::vector<Row>> measure(std::size_t largest) {
+  template <class Owed>
+  std::optional<std::vector<Row>> measure(std::size_t largest, Owed&& owed) {
     std::vector<Row> rows;
     for (std::size_t s = 0; s < sets_.size(); ++s) {
       if (is_over(s)) return std::nullopt;
       ListedSet& set = sets_[s];
       set.moving = expander_.greatest_gain_of_moving(set.all());
       set.fixed = std::ranges::any_of(set.all(), [&](PartIndex p) { return problem_.in_base(p); });
+      if (partings_ && !set.fixed) set.may_leave = partings_->may_leave(set.all(), largest);
+      // What it would cost to move it is enough.
+      if (may_stay(set, largest)) set.owed = owed(set.all(), std::max(0.0, 0.0 - set.moving));
       double implied = kInfinity;
       set.value = set.size == 1 ? 0 : value_of(set, implied);
-      set.room = set.fixed ? 0.0 - set.value : 0.0 - set.value - set.moving;
-      if (2 * set.size > largest) set.room = std::min(set.room, 0.0 - set.value);
+      set.room = set.fixed       ? 0.0 - set.value
+                 : set.may_leave ? 0.0 - set.value - set.moving
+                                 : kInfinity;
+      if (may_stay(set, largest)) set.room = std::min(set.room, set.owed - set.value);
       if (set.room < implied)
         rows.push_back({.parts = set.parts, .size = set.size, .room = set.room});
     }
@@ -285,12 +339,12 @@ class SmallPieces::Lister {
     for (ListedSet& set : sets_) {
       Row row{.parts = set.parts, .size = set.size, .room = 0.0 - set.value};
       if (!set.fixed) {
-        row.reserves = true;
-        row.room -= set.moving + set.reserved;
+        row.reserves = set.may_leave;
+        row.room = set.may_leave ? row.room - set.moving - set.reserved : kInfinity;
       }
-      if (!set.fixed && 2 * set.size > largest) {
+      if (may_stay(set, largest)) {
         const ListedSet* const lender = lender_of(set, least, largest);
-        const double room = lender == nullptr ? kInfinity : lender->reserved - set.value;
+        const double room = lender == nullptr ? kInfinity : lender->reserved + set.owed - set.value;
         if (room < row.room) {
           row.room = room;
           row.reserves = false;
@@ -299,40 +353,59 @@ class SmallPieces::Lister {
         }
       }
       set.room = row.room;
-      const bool implied =
-          set.size > 1 && set.room >= sets_[set.made_of[0]].room + sets_[set.made_of[1]].room;
+      const bool implied = set.room == kInfinity ||
+                           (set.size > 1 && set.made_of[0] != set.made_of[1] &&
+                            set.room >= sets_[set.made_of[0]].room + sets_[set.made_of[1]].room);
       if (!implied) rows.push_back(row);
     }
     return rows;
   }
 
+  /// What parts cost, and the most that any set has to owe then.
+  struct Costs {
+    std::vector<double> of_parts;
+    double most_owed;
+  };
+
   /// The greatest costs of parts that could be found; `rows` are those of measure().
-  std::vector<double> costs(std::vector<Row> rows, std::size_t largest) {
+  Costs costs(std::vector<Row> rows, std::size_t largest) {
     const std::size_t parts = graph_.num_parts();
-    constexpr std::size_t kMostIdleRounds = 3;
-    constexpr std::size_t kMostRounds = 20;
-    constexpr std::size_t kStepsInRound = 80;
+    constexpr std::size_t kMostIdleRounds = 4;
+    constexpr std::size_t kMostRounds = 40;
+    constexpr std::size_t kStepsInRound = 300;
     constexpr double kWorthARound = 1.001;
     PackedCosts::Answer best = PackedCosts(std::move(rows), parts).find(effort_);
     const double scale = best.sum / static_cast<double>(parts);
-    if (scale <= 0) return best.costs;
-    // Where all cuts cost the same, parts reserve this share.
+    std::vector<double> best_reserves(parts, 0.0);
+    if (scale <= 0) return {best.costs, most_owed_with(best.costs, best_reserves, largest)};
     std::vector<double> costs = best.costs;
-    std::vector<double> reserves = best.costs;
-    for (double& reserve : reserves)
-      reserve = std::max(0.0, reserve) / static_cast<double>(largest + 1);
+    // Where all cuts cost the same, parts reserve this share of that; where some cost more, a tenth
+    // of it is the better beginning.
+    const double share = 1 / static_cast<double>(largest + 1);
+    std::vector<double> reserves;
+    double most = -kInfinity;
+    for (const double factor : {share, share / 10}) {
+      std::vector<double> some = costs;
+      for (double& reserve : some) reserve = factor * std::max(0.0, reserve);
+      const double sum = PackedCosts(rows_with(some, largest), parts).made_valid(costs).sum;
+      if (sum > most) reserves = std::move(some);
+      most = std::max(most, sum);
+    }
     std::size_t idle = 0;
     for (std::size_t round = 0; round < kMostRounds && !effort_.is_over(); ++round) {
-      const PackedCosts packed(rows_with(reserves, largest), parts);
+      PackedCosts packed(rows_with(reserves, largest), parts);
       PackedCosts::Answer valid = packed.made_valid(costs);
       const double before = best.sum;
-      if (valid.sum > best.sum) best = std::move(valid);
+      if (valid.sum > best.sum) {
+        best = std::move(valid);
+        best_reserves = reserves;
+      }
       idle = best.sum < before * kWorthARound ? idle + 1 : 0;
       if (idle == kMostIdleRounds) break;
       packed.climb(costs, reserves, kStepsInRound,
-                   0.005 * scale / (1 + 0.4 * static_cast<double>(round)));
+                   0.002 * scale / (1 + 0.4 * static_cast<double>(round)));
     }
-    return best.costs;
+    return {best.costs, most_owed_with(best.costs, best_reserves, largest)};
   }
 
   [[nodiscard]] const std::vector<ListedSet>& sets() const { return sets_; }
@@ -347,8 +420,30 @@ class SmallPieces::Lister {
   }
   void add(std::span<const PartIndex> parts) {
     ListedSet& set = sets_.emplace_back();
+    set.made_of = {0, 0};
     std::ranges::copy(parts, set.parts.begin());
     set.size = parts.size();
+  }
+
+  /// Whether a set may be what stays of a piece of more than `largest` parts, for nothing.
+  [[nodiscard]] static bool may_stay(const ListedSet& set, std::size_t largest) {
+    return !set.fixed && 2 * set.size > largest;
+  }
+
+  /// The most that any set has to owe with these costs.
+  [[nodiscard]] double most_owed_with(const std::vector<double>& costs,
+                                      const std::vector<double>& reserves, std::size_t largest) {
+    const std::vector<std::uint32_t> least = least_lenders(reserves, largest);
+    double most = 0;
+    for (const ListedSet& set : sets_) {
+      if (!may_stay(set, largest)) continue;
+      const ListedSet* const lender = lender_of(set, least, largest);
+      if (lender == nullptr) continue;
+      double sum = set.value - lender->reserved;
+      for (const PartIndex part : set.all()) sum += costs[part];
+      most = std::max(most, sum);
+    }
+    return most;
   }
 
   /// By size, less 1, and part: the set of that size that holds the part and reserves least; the
@@ -480,6 +575,7 @@ class SmallPieces::Lister {
     return best == -kInfinity ? best_of_all : best;
   }
 
+  std::optional<Partings> partings_;
   Expander& expander_;
   const Problem& problem_;
   const ListingEffort& effort_;
@@ -490,25 +586,32 @@ class SmallPieces::Lister {
   KeyIndex place_;  ///< of each set in sets_
 };
 
-SmallPieces::SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed,
-                         const ListingEffort& effort) {
+SmallPieces::SmallPieces(const TransitionSystem& system, Expander& expander,
+                         std::size_t most_listed, const LargerMoves& larger,
+                         const ListingEffort& effort)
+    : gain_of_larger_with_(larger.gain_with), in_base_(system.problem().base()) {
   static_assert(kMostListed <= 12, "a key holds twelve parts");
-  const std::size_t parts = problem.num_parts();
+  const std::size_t parts = system.problem().num_parts();
   if (parts < 2) return;
-  Lister lister(expander, problem, effort);
+  Lister lister(system, expander, effort);
   const std::size_t largest = lister.list(std::min(most_listed, kMostListed));
   cut_short_ = lister.cut_short();
-  std::optional<std::vector<Row>> rows = lister.measure(largest);
+  if (larger.gain) gain_of_larger_ = larger.gain(largest);
+  std::optional<std::vector<Row>> rows = lister.measure(
+      largest,
+      [&](std::span<const PartIndex> set, double most) { return owed(set, largest, most); });
   if (!rows) return;
   for (const Lister::ListedSet& set : lister.sets()) {
-    if (!std::isfinite(set.value) || !std::isfinite(set.room)) return;
+    if (!std::isfinite(set.value) || std::isnan(set.room)) return;
     values_.push_back(set.value);
   }
   listed_ = std::move(lister).take_places();
   prices_.assign(parts, 0);
   if (largest < parts) {
-    prices_ = lister.costs(*std::move(rows), largest);
+    Lister::Costs costs = lister.costs(*std::move(rows), largest);
+    prices_ = std::move(costs.of_parts);
     for (double& price : prices_) price = 0.0 - price;
+    most_owed_ = costs.most_owed;
   }
   largest_ = largest;
 }
@@ -528,7 +631,17 @@ double SmallPieces::bound(std::span<const PartIndex> piece) const {
   }
   double sum = 0;
   for (const PartIndex part : piece) sum += prices_[part];
-  return sum;
+  return sum + owed(piece, largest_, most_owed_);
+}
+
+double SmallPieces::owed(std::span<const PartIndex> piece, std::size_t listed, double most) const {
+  if (most <= 0) return 0;
+  const auto is_fixed = [&](PartIndex part) { return in_base_[part]; };
+  if (!in_base_.empty() && std::ranges::any_of(piece, is_fixed)) return 0;
+  double owed = std::max(0.0, 0.0 - gain_of_larger_);
+  if (owed < most && gain_of_larger_with_)
+    owed = std::max(owed, 0.0 - gain_of_larger_with_(piece, listed, 0.0 - most));
+  return std::min(owed, most);
 }
 
 }  // namespace orasp

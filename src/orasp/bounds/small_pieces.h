@@ -14,6 +14,23 @@ namespace orasp {
 
 struct ListingEffort;
 
+/// What a cut gains at most that moves more than a number of parts; nothing is known where there
+/// are no functions.
+struct LargerMoves {
+  /// What a cut into sides of so many parts gains at most that moves either.
+  using GainBySizes = std::function<double(std::size_t smaller, std::size_t larger)>;
+
+  /// Of cuts that move at most `most` parts. The system must outlive what is returned.
+  [[nodiscard]] static LargerMoves of(const TransitionSystem& system, std::size_t most,
+                                      GainBySizes by_sizes);
+
+  std::function<double(std::size_t parts)> gain{};
+  /// Where all of these are among those that move; what is at most `low_enough` need not be the
+  /// least that is known.
+  std::function<double(std::span<const PartIndex> moved, std::size_t parts, double low_enough)>
+      gain_with{};
+};
+
 /// Bounds what the cuts of a piece gain where the gain of a cut depends on what is moved, any
 /// number of parts may move, and no cut gains more than 0.
 ///
@@ -24,28 +41,36 @@ struct ListingEffort;
 ///             pieces; gains are those above what connections cost, see CutTrees). For larger ones
 ///             each part p has a price y(p), and
 ///
-///                 V(S) <= sum over p in S of y(p),   if for all connected M of at most K parts
+///                 V(S) <= sum over p in S of y(p) + f(S),
+///             if for all connected M of at most K parts
 ///                 V(M) + gain of moving M <= sum of y - r over M,  unless M holds a base part,
-///                 V(M) <= sum of y over M + lent(M),               if 2 |M| > K,
+///                 V(M) <= sum of y over M + lent(M) + f(M),        if 2 |M| > K,
 ///                 V(M) <= sum of y over M,                         if M holds a base part.
 ///
 ///             The reserves r(p) >= 0 say that of two sides with at most K parts each the one that
 ///             moves pays for itself, so that only the other one stays for nothing: lent(M) is the
 ///             least sum of r over a connected set of K + 1 - |M| parts that holds one next to M.
-///             With all reserves 0 every M of more than half of K parts would stay for nothing. The
-///             least prices are a linear program. Its penalty form is exact with a penalty of 1 for
-///             each set, since no multiplier is greater than 1; subgradients find prices that are
-///             nearly the least, and a repair makes them valid, whatever the reserves are.
+///             With all reserves 0 every M of more than half of K parts would stay for nothing.
+///             And f(S) is the least that a cut costs which moves more than K parts, all of S among
+///             them, but no more than some number: each piece of more than K parts but the first
+///             comes off another in such a cut, and what stays of it in the end may owe that much.
+///             f is 0 if S holds a base part, and never falls as S grows without one. Sets that
+///             blocking never lets come off more than K parts (Partings) need not keep the first
+///             condition. The least prices are a linear program. Its penalty form is exact with a
+///             penalty of 1 for each set, since no multiplier is greater than 1; subgradients over
+///             the conditions that are nearest to being broken find prices that are nearly the
+///             least, and a repair makes them valid, whatever the reserves are.
 /// Proof.      By induction over the parts of S > K. A cut moves A off B; both in the list or
 ///             larger. If both are in the list and B holds no base part, B is no smaller than A and
 ///             2 |B| > K. A is connected, holds a part next to B and has at least K + 1 - |B|
 ///             parts, so that it reserves lent(B) or more: what B falls short of by the second
 ///             condition, A has left by the first. If B is larger, A has V(A) + gain <= its prices
 ///             by the first condition; if B holds a base part, B has V(B) <= its prices by the
-///             third, and V is at most the prices by induction for a side of more than K parts,
-///             where the gain is at most 0. If both sides hold a base part, nothing moves and the
-///             third condition covers both. So V(S) >= gain + V(A) + V(B) holds for the bound in
-///             place of V, which makes it consistent.
+///             third. A side A of more than K parts that moves has its prices and f(A), by
+///             induction, and the cut gains at most -f(A); what stays has at most f(S). If
+///             both sides hold a base part, nothing moves and the third condition covers both. So
+///             V(S) >= gain + V(A) + V(B) holds for the bound in place of V, which makes it
+///             consistent.
 /// Reference.  Subgradients: Held and Karp (1971), Mathematical Programming 1, 6-25.
 /// Guarantee.  Never below what the cuts of a piece can gain. Precedence, blocking between pieces
 ///             and max_subassemblies only take cuts away. A listed piece that blocking or limits
@@ -64,8 +89,8 @@ class SmallPieces {
 
   SmallPieces() = default;
   /// No cut may gain more than 0. Pieces of at most `most_listed` parts are listed.
-  SmallPieces(Expander& expander, const Problem& problem, std::size_t most_listed,
-              const ListingEffort& effort);
+  SmallPieces(const TransitionSystem& system, Expander& expander, std::size_t most_listed,
+              const LargerMoves& larger, const ListingEffort& effort);
 
   [[nodiscard]] bool known() const { return largest_ > 0; }
   [[nodiscard]] double bound(std::span<const PartIndex> piece) const;
@@ -110,6 +135,15 @@ class SmallPieces {
   /// By number: the value of each listed set.
   std::vector<double> values_;
   std::vector<double> prices_;
+  /// f: what is said of cuts that move what is not listed, at most most_owed_.
+  double gain_of_larger_ = 0;
+  std::function<double(std::span<const PartIndex>, std::size_t, double)> gain_of_larger_with_;
+  double most_owed_ = 0;
+  std::vector<bool> in_base_;  ///< by part; empty where none is
+
+  /// f where so many parts are listed, and it is no more than `most`.
+  [[nodiscard]] double owed(std::span<const PartIndex> piece, std::size_t listed,
+                            double most) const;
 
   class Lister;
 };

@@ -143,6 +143,19 @@ bool TransitionSystem::calls_out() const {
   return std::ranges::any_of(rules_->terms, [](const auto& t) { return t.term->sees.calls_out; });
 }
 
+double TransitionSystem::greatest_gain_of_moving_with(std::span<const PartIndex> parts,
+                                                      std::size_t least, std::size_t most,
+                                                      double low_enough) const {
+  LargerPiece piece{.least = least, .most = most};
+  if (rules_->terms.size() == 1) piece.low_enough = low_enough;
+  const detail::StepPieces pieces{.totals = rules_->totals, .a = {{parts, {}}}, .b = {}};
+  double sum = 0;
+  for (const auto& [weight, term] : rules_->terms) {
+    if (weight != 0) sum += term->greatest_gain_of_moving_with(weight, pieces, piece);
+  }
+  return sum;
+}
+
 double TransitionSystem::greatest_size_reward(std::size_t a, std::size_t b, bool completes) const {
   double sum = 0;
   for (const auto& [weight, term] : rules_->terms) {

@@ -244,6 +244,13 @@ class TransitionSystem {
   /// nothing). Exact but for `cubesat_zone`, where a whole starting piece of fewer than four parts
   /// may earn less.
   [[nodiscard]] double greatest_size_reward(std::size_t a, std::size_t b, bool completes) const;
+  /// If sees_piece_only(): the most that a cut gains (Expander::cut_gain) that moves a piece of at
+  /// least `least` and at most `most` parts, all of `parts` among them, which are at least one;
+  /// infinite where that is not known. What is at most `low_enough` need not be the least that is
+  /// known.
+  [[nodiscard]] double greatest_gain_of_moving_with(std::span<const PartIndex> parts,
+                                                    std::size_t least, std::size_t most,
+                                                    double low_enough) const;
 
   /// Whether some reward depends on whether A and B together are a whole starting piece.
   [[nodiscard]] bool sees_starting_pieces() const;

@@ -92,6 +92,14 @@ struct PlaceQuestion {
   bool completes = false;
 };
 
+/// A question for the most that a cut gains which moves certain parts and others.
+struct LargerPiece {
+  std::size_t least = 1;  ///< the fewest parts that move, and the most
+  std::size_t most = 1;
+  /// Once it is known that no more than this is gained, nothing lower needs to be found.
+  double low_enough = -kInfinity;
+};
+
 /// What a term that looks back costs: the changes of an attribute, or a way. For bounds.
 struct LookBackCosts {
   std::size_t attribute = 0;  ///< of ProblemTotals::attributes; where `change` is set
@@ -198,6 +206,15 @@ class ObjectiveTerm {
     static_cast<void>(weight);
     static_cast<void>(moved);
     return kInfinity;
+  }
+  /// The same of a cut that moves a piece of so many parts, those of the side A of `some` among
+  /// them; -infinity where no piece is so large.
+  [[nodiscard]] virtual double greatest_gain_of_moving_with(double weight,
+                                                            const detail::StepPieces& some,
+                                                            const LargerPiece& piece) const {
+    static_cast<void>(piece);
+    const bool more_is_less = sees.moving_more_costs_more && weight >= 0;
+    return more_is_less ? greatest_gain_of_moving(weight, some) : kInfinity;
   }
   /// What each kilogram that moves costs, times `weight`, of a term whose steps earn nothing else
   /// but a fixed amount of 0 or less wherever something moves. 0 where that is not so.

@@ -74,6 +74,12 @@ class RetriedTerm : public ObjectiveTerm {
     return most_of(weight, once_->greatest_gain_of_moving(weight, moved));
   }
 
+  [[nodiscard]] double greatest_gain_of_moving_with(double weight, const detail::StepPieces& some,
+                                                    const LargerPiece& piece) const override {
+    const LargerPiece once{.least = piece.least, .most = piece.most};
+    return most_of(weight, once_->greatest_gain_of_moving_with(weight, some, once));
+  }
+
   void add_extra_costs(double weight, std::span<double> costs) const override {
     for (std::size_t c = 0; c < costs.size(); ++c)
       costs[c] += (attempts_[c] - least_) * shared_loss(weight);

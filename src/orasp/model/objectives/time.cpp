@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "orasp/model/detail/centroid_distances.h"
 #include "orasp/model/objectives/objective_kind.h"
 
 namespace orasp {
@@ -12,7 +13,11 @@ namespace {
 class TimeTerm : public ObjectiveTerm {
  public:
   TimeTerm(const TimeObjective& time, const detail::ProblemTotals& totals)
-      : time_(time), farthest_(totals.farthest(time.depot)) {
+      : time_(time),
+        farthest_(totals.farthest(time.depot)),
+        all_placed_(std::ranges::all_of(
+            totals.problem.parts(), [](const Part& part) { return part.position.has_value(); })),
+        centroids_(totals.problem, time.depot) {
     // Without positions every transfer takes the same time.
     sees.counting = sees.gain_by_sizes = totals.no_positions && totals.moves_by_size;
     sees.moving_more_costs_more = totals.no_positions;
@@ -34,10 +39,12 @@ class TimeTerm : public ObjectiveTerm {
   [[nodiscard]] double by_second() const override { return -1; }
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const override {
-    static_cast<void>(moved);
     static_cast<void>(kept);
     if (sees.counting) return weight * (0.0 - time_.transfer);
-    if (weight > 0) return 0;
+    if (weight > 0) {
+      const double least = 2 * centroids_.least(moved) / time_.speed;
+      return 0.0 - weight * (all_placed_ ? least : std::min(least, time_.transfer));
+    }
     return 0.0 - weight * std::max(time_.transfer, 2 * farthest_ / time_.speed);
   }
   [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
@@ -51,6 +58,15 @@ class TimeTerm : public ObjectiveTerm {
                                                const detail::StepPieces& moved) const override {
     return weight * earned(0, moved.distance(true, time_.depot));
   }
+  [[nodiscard]] double greatest_gain_of_moving_with(double weight, const detail::StepPieces& some,
+                                                    const LargerPiece& piece) const override {
+    if (weight < 0 || sees.counting) return greatest_gain(weight, piece.least, piece.least);
+    if (!all_placed_ && !some.distance(true, time_.depot)) return weight * earned(0, std::nullopt);
+    const double metres = centroids_.least_with(
+        some.a, {piece.least, piece.most, 0.0 - piece.low_enough / weight * time_.speed / 2});
+    const double seconds = 2 * metres / time_.speed;
+    return 0.0 - weight * (all_placed_ ? seconds : std::min(seconds, time_.transfer));
+  }
 
  private:
   [[nodiscard]] double earned(double duration, std::optional<double> metres) const {
@@ -59,6 +75,8 @@ class TimeTerm : public ObjectiveTerm {
 
   TimeObjective time_;
   double farthest_;
+  bool all_placed_;
+  detail::CentroidDistances centroids_;
 };
 
 class TimeKind : public ObjectiveKindOf<TimeObjective> {

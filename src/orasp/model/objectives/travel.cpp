@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "orasp/model/detail/centroid_distances.h"
 #include "orasp/model/detail/wording.h"
 #include "orasp/model/objectives/objective_kind.h"
 
@@ -16,7 +17,8 @@ class TravelTerm : public ObjectiveTerm {
       : depot_(travel.depot),
         farthest_(totals.farthest(travel.depot)),
         most_moved_(static_cast<double>(totals.moves_by_size ? totals.problem.num_parts() / 2
-                                                             : totals.problem.num_parts())) {
+                                                             : totals.problem.num_parts())),
+        centroids_(totals.problem, travel.depot) {
     sees.piece_only = true;
   }
 
@@ -35,8 +37,8 @@ class TravelTerm : public ObjectiveTerm {
   [[nodiscard]] double greatest_gain(double weight, std::size_t moved,
                                      std::size_t kept) const override {
     static_cast<void>(kept);
-    const double most = static_cast<double>(moved) * farthest_ * farthest_;
-    return weight > 0 ? 0.0 : 0.0 - weight * most;
+    const double metres = weight > 0 ? centroids_.least(moved) : farthest_;
+    return 0.0 - weight * static_cast<double>(moved) * metres * metres;
   }
   [[nodiscard]] double greatest_gain_unmoved(double weight, std::size_t first,
                                              std::size_t second) const override {
@@ -50,11 +52,18 @@ class TravelTerm : public ObjectiveTerm {
     const double metres = moved.distance(true, depot_).value_or(0);
     return 0.0 - weight * static_cast<double>(moved.a.parts()) * metres * metres;
   }
+  [[nodiscard]] double greatest_gain_of_moving_with(double weight, const detail::StepPieces& some,
+                                                    const LargerPiece& piece) const override {
+    if (weight < 0) return greatest_gain(weight, piece.most, piece.most);
+    return 0.0 - weight * centroids_.least_moment_with(
+                              some.a, {piece.least, piece.most, 0.0 - piece.low_enough / weight});
+  }
 
  private:
   Vector3 depot_;
   double farthest_;
   double most_moved_;
+  detail::CentroidDistances centroids_;
 };
 
 class TravelKind : public ObjectiveKindOf<Travel> {
