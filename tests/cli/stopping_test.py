@@ -153,7 +153,7 @@ class Stopping(Case):
         among.write_text('{"type": "travel", "depot": [2, 2, 0]}', encoding="utf-8")
         # The whole process may hold 20 MiB more at any moment. How soon a method gets there tells how large the limit is.
         for method, limit, words in [("orasp-search", 50, ["iss", "--bound", "none"]),
-                                     ("a-star", 200, ["grid:5x5", "--objective", str(among)]),
+                                     ("a-star", 200, ["grid:4x4", "--objective", str(among)]),
                                      ("a-star", 200, ["grid:10x10", "--objective", "time"]),
                                      ("beam", 60, ["grid:4x4", "--objective", str(among)]),
                                      ("auto", 40, ["grid:5x5", "--objective", str(unbounded)])]:
