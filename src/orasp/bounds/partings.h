@@ -27,7 +27,7 @@ namespace orasp {
 ///             kMostWork of that.
 class Partings {
  public:
-  static constexpr double kMostWork = 1e8;
+  static constexpr double kMostWork = 3e7;  ///< a fifth of a second
 
   /// Nothing where all sets may move for all that is known, or where it would take too long.
   static std::optional<Partings> of(const TransitionSystem& system);

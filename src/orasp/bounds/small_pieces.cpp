@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "orasp/bounds/packed_costs.h"
 #include "orasp/bounds/partings.h"
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/tolerance.h"
@@ -17,166 +18,6 @@ namespace {
 
 /// For each set that may be listed, so many ways to part a set in two, over all sets.
 constexpr std::size_t kCutsPerSet = 300;
-
-/// A row of the linear program: what the parts cost together is at most `room`.
-struct Row {
-  using Parts = std::array<PartIndex, SmallPieces::kMostListed>;
-  Parts parts{};
-  std::size_t size = 0;
-  double room = 0;
-  /// Whether what the parts reserve was taken from the room.
-  bool reserves = false;
-  /// The parts whose reserves were added to the room, if any.
-  Parts lenders{};
-  std::size_t num_lenders = 0;
-
-  [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
-  [[nodiscard]] std::span<const PartIndex> all_lenders() const {
-    return {lenders.data(), num_lenders};
-  }
-};
-
-/// Looks for the greatest costs of parts, minus their prices, that fit into each row.
-class PackedCosts {
- public:
-  using Costs = std::vector<double>;
-
-  /// What parts cost, each and all together.
-  struct Answer {
-    Costs costs;
-    double sum;
-  };
-
-  PackedCosts(std::vector<Row> rows, std::size_t parts)
-      : rows_(std::move(rows)), rows_with_(parts) {
-    for (std::uint32_t r = 0; r < rows_.size(); ++r) {
-      for (std::size_t i = 0; i < rows_[r].size; ++i) rows_with_[rows_[r].parts[i]].push_back(r);
-    }
-  }
-
-  /// Without reserves.
-  [[nodiscard]] Answer find(const ListingEffort& effort) {
-    Costs costs(rows_with_.size(), kInfinity);
-    double scale = 0;
-    for (const Row& row : rows_) {
-      for (std::size_t i = 0; i < row.size; ++i) {
-        double& cost = costs[row.parts[i]];
-        cost = std::min(cost, row.room / static_cast<double>(row.size));
-      }
-    }
-    // Where no row holds a part, it is in none of the pieces that are moved or stay.
-    for (double& cost : costs) cost = std::isfinite(cost) ? cost : 0;
-    Costs best = repaired(costs);
-    for (const double cost : best) scale += cost / static_cast<double>(best.size());
-    if (scale <= 0) return {best, sum(best)};
-    Costs slope(costs.size(), 1.0);
-    const auto work = std::max<std::size_t>(rows_.size(), 1);
-    const auto iterations = std::clamp<std::size_t>(600'000'000 / work, 200, 2000);
-    constexpr std::size_t kBetweenRepairs = 50;
-    for (std::size_t i = 0; i < iterations; ++i) {
-      if (i % kBetweenRepairs == 0) choose_rows(costs);
-      step_up(costs, slope, 0.05 * scale / (1 + 0.02 * static_cast<double>(i)));
-      if (i % kBetweenRepairs != kBetweenRepairs - 1) continue;
-      Costs valid = repaired(costs);
-      if (sum(valid) > sum(best)) best = std::move(valid);
-      if (effort.is_over()) break;
-    }
-    return {best, sum(best)};
-  }
-
-  /// The costs made valid.
-  [[nodiscard]] Answer made_valid(const Costs& costs) const {
-    Costs valid = repaired(costs);
-    const double all = sum(valid);
-    return {std::move(valid), all};
-  }
-
-  /// Moves costs and reserves up along the subgradient, `steps` times by `step`.
-  void climb(Costs& costs, Costs& reserves, std::size_t steps, double step) {
-    choose_rows(costs);
-    constexpr double kStepOfReserves = 0.05;
-    const Costs made_with = reserves;
-    Costs up(costs.size());
-    Costs reserve_up(costs.size());
-    for (; steps > 0; --steps) {
-      std::ranges::fill(up, 1.0);
-      std::ranges::fill(reserve_up, 0.0);
-      for (const std::uint32_t r : near_) {
-        const Row& row = rows_[r];
-        double room = left(row, costs);
-        if (row.reserves) room -= added(row.all(), reserves) - added(row.all(), made_with);
-        if (row.num_lenders > 0)
-          room += added(row.all_lenders(), reserves) - added(row.all_lenders(), made_with);
-        if (room >= 0) continue;
-        for (const PartIndex part : row.all()) {
-          up[part] -= 1;
-          if (row.reserves) reserve_up[part] -= 1;
-        }
-        for (const PartIndex part : row.all_lenders()) reserve_up[part] += 1;
-      }
-      for (std::size_t p = 0; p < costs.size(); ++p) {
-        costs[p] += step * up[p];
-        reserves[p] = std::max(0.0, reserves[p] + kStepOfReserves * step * reserve_up[p]);
-      }
-    }
-  }
-
- private:
-  [[nodiscard]] static double added(std::span<const PartIndex> parts, const Costs& costs) {
-    double total = 0;
-    for (const PartIndex part : parts) total += costs[part];
-    return total;
-  }
-  [[nodiscard]] static double left(const Row& row, const Costs& costs) {
-    return row.room - added(row.all(), costs);
-  }
-  [[nodiscard]] static double sum(const Costs& costs) {
-    double total = 0;
-    for (const double cost : costs) total += cost;
-    return total;
-  }
-  /// Fills near_ with the rows that have least room left.
-  void choose_rows(const Costs& costs) {
-    constexpr std::size_t kMostNear = 4000;
-    near_.resize(rows_.size());
-    std::iota(near_.begin(), near_.end(), 0U);
-    if (rows_.size() <= kMostNear) return;
-    std::vector<double> room;
-    for (const Row& row : rows_) room.push_back(left(row, costs) / static_cast<double>(row.size));
-    std::ranges::nth_element(near_, near_.begin() + kMostNear, {},
-                             [&](std::uint32_t r) { return room[r]; });
-    near_.resize(kMostNear);
-  }
-  void step_up(Costs& costs, Costs& slope, double step) const {
-    std::ranges::fill(slope, 1.0);
-    for (const std::uint32_t r : near_) {
-      const Row& row = rows_[r];
-      if (left(row, costs) >= 0) continue;
-      for (std::size_t i = 0; i < row.size; ++i) slope[row.parts[i]] -= 1;
-    }
-    std::ranges::transform(costs, slope, costs.begin(),
-                           [&](double cost, double up) { return cost + step * up; });
-  }
-  /// The costs made valid, and then each, one after the other, as great as the others let it be.
-  [[nodiscard]] Costs repaired(Costs costs) const {
-    for (const Row& row : rows_) {
-      const double room = left(row, costs);
-      if (room >= 0) continue;
-      for (std::size_t i = 0; i < row.size; ++i)
-        costs[row.parts[i]] += room / static_cast<double>(row.size);
-    }
-    for (std::size_t p = 0; p < costs.size(); ++p) {
-      double room = kInfinity;
-      for (const std::uint32_t r : rows_with_[p]) room = std::min(room, left(rows_[r], costs));
-      if (std::isfinite(room)) costs[p] += room;
-    }
-    return costs;
-  }
-
-  std::vector<Row> rows_;
-  std::vector<std::vector<std::uint32_t>> rows_with_;
-  std::vector<std::uint32_t> near_;
-};
 
 }  // namespace
 
@@ -263,7 +104,7 @@ class SmallPieces::Lister {
     /// The same number twice where neither matters.
     std::array<std::uint32_t, 2> made_of;
     bool fixed;
-    /// Whether it may come off a piece that is not listed.
+    /// Whether it may come off a piece that is not listed, for all that is known.
     bool may_leave = true;
 
     [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
@@ -310,21 +151,22 @@ class SmallPieces::Lister {
   /// the rows that the others do not imply.
   /// Nothing: there was no time for all.
   template <class Owed>
-  std::optional<std::vector<Row>> measure(std::size_t largest, Owed&& owed) {
-    std::vector<Row> rows;
+  std::optional<std::vector<PriceRow>> measure(std::size_t largest, Owed&& owed) {
+    std::vector<PriceRow> rows;
     for (std::size_t s = 0; s < sets_.size(); ++s) {
       if (is_over(s)) return std::nullopt;
       ListedSet& set = sets_[s];
       set.moving = expander_.greatest_gain_of_moving(set.all());
       set.fixed = std::ranges::any_of(set.all(), [&](PartIndex p) { return problem_.in_base(p); });
-      if (partings_ && !set.fixed) set.may_leave = partings_->may_leave(set.all(), largest);
       // What it would cost to move it is enough.
       if (may_stay(set, largest)) set.owed = owed(set.all(), std::max(0.0, 0.0 - set.moving));
       double implied = kInfinity;
       set.value = set.size == 1 ? 0 : value_of(set, implied);
-      set.room = set.fixed       ? 0.0 - set.value
-                 : set.may_leave ? 0.0 - set.value - set.moving
-                                 : kInfinity;
+      set.room = set.fixed ? 0.0 - set.value : 0.0 - set.value - set.moving;
+      // Not asked where it would change nothing.
+      if (partings_ && !set.fixed && set.room < implied)
+        set.may_leave = partings_->may_leave(set.all(), largest);
+      if (!set.may_leave) set.room = kInfinity;
       if (may_stay(set, largest)) set.room = std::min(set.room, set.owed - set.value);
       if (set.room < implied)
         rows.push_back({.parts = set.parts, .size = set.size, .room = set.room});
@@ -333,11 +175,11 @@ class SmallPieces::Lister {
   }
 
   /// The rows where each part reserves so much. Only after measure().
-  std::vector<Row> rows_with(const std::vector<double>& reserves, std::size_t largest) {
+  std::vector<PriceRow> rows_with(const std::vector<double>& reserves, std::size_t largest) {
     const std::vector<std::uint32_t> least = least_lenders(reserves, largest);
-    std::vector<Row> rows;
+    std::vector<PriceRow> rows;
     for (ListedSet& set : sets_) {
-      Row row{.parts = set.parts, .size = set.size, .room = 0.0 - set.value};
+      PriceRow row{.parts = set.parts, .size = set.size, .room = 0.0 - set.value};
       if (!set.fixed) {
         row.reserves = set.may_leave;
         row.room = set.may_leave ? row.room - set.moving - set.reserved : kInfinity;
@@ -368,13 +210,14 @@ class SmallPieces::Lister {
   };
 
   /// The greatest costs of parts that could be found; `rows` are those of measure().
-  Costs costs(std::vector<Row> rows, std::size_t largest) {
+  Costs costs(std::vector<PriceRow> rows, std::size_t largest) {
     const std::size_t parts = graph_.num_parts();
     constexpr std::size_t kMostIdleRounds = 4;
     constexpr std::size_t kMostRounds = 40;
     constexpr std::size_t kStepsInRound = 300;
     constexpr double kWorthARound = 1.001;
-    PackedCosts::Answer best = PackedCosts(std::move(rows), parts).find(effort_);
+    PackedCosts::Answer best =
+        PackedCosts(std::move(rows), parts).find([&] { return effort_.is_over(); });
     const double scale = best.sum / static_cast<double>(parts);
     std::vector<double> best_reserves(parts, 0.0);
     if (scale <= 0) return {best.costs, most_owed_with(best.costs, best_reserves, largest)};
@@ -590,14 +433,14 @@ SmallPieces::SmallPieces(const TransitionSystem& system, Expander& expander,
                          std::size_t most_listed, const LargerMoves& larger,
                          const ListingEffort& effort)
     : gain_of_larger_with_(larger.gain_with), in_base_(system.problem().base()) {
-  static_assert(kMostListed <= 12, "a key holds twelve parts");
+  static_assert(kMostListed <= PriceRow::kMostParts, "a key and a row hold twelve parts");
   const std::size_t parts = system.problem().num_parts();
   if (parts < 2) return;
   Lister lister(system, expander, effort);
   const std::size_t largest = lister.list(std::min(most_listed, kMostListed));
   cut_short_ = lister.cut_short();
   if (larger.gain) gain_of_larger_ = larger.gain(largest);
-  std::optional<std::vector<Row>> rows = lister.measure(
+  std::optional<std::vector<PriceRow>> rows = lister.measure(
       largest,
       [&](std::span<const PartIndex> set, double most) { return owed(set, largest, most); });
   if (!rows) return;
