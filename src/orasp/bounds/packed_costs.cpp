@@ -98,16 +98,19 @@ void PackedCosts::climb(Costs& costs, Costs& reserves, std::size_t steps, double
 }
 
 void PackedCosts::choose_rows(const Costs& costs) {
+  const std::size_t near = std::max(kLeastNear, rows_.size() / 32);
   near_.resize(rows_.size());
   std::iota(near_.begin(), near_.end(), 0U);
-  if (rows_.size() <= kMostNear) return;
+  if (rows_.size() <= near) return;
   std::vector<double> room;
+  room.reserve(rows_.size());
   for (const PriceRow& row : rows_)
     room.push_back(left(row, costs) / static_cast<double>(row.size));
-  std::ranges::nth_element(near_, near_.begin() + kMostNear, {},
+  std::ranges::nth_element(near_, near_.begin() + static_cast<std::ptrdiff_t>(near), {},
                            [&](std::uint32_t r) { return room[r]; });
-  near_.resize(kMostNear);
+  near_.resize(near);
 }
+
 void PackedCosts::step_up(Costs& costs, Costs& slope, double step) const {
   std::ranges::fill(slope, 1.0);
   for (const std::uint32_t r : near_) {

@@ -34,15 +34,15 @@ struct PriceRow {
 ///
 /// Idea.       Subgradients of the penalty form: all costs go up, and those of a row that is
 ///             broken go down again, by as much for each such row. Rows that are far from being
-///             broken do not matter to the next steps, so only the kMostNear nearest are looked
-///             at, chosen anew now and then. What is answered was made valid: it fits into every
-///             row, however far that went.
+///             broken do not matter to the next steps, so only a share of them, the nearest, is
+///             looked at, chosen anew now and then. What is answered was made valid: it fits into
+///             every row, however far that went.
 /// Reference.  Held and Karp (1971), Mathematical Programming 1, 6-25.
-/// Cost.       A step O(kMostNear), a choice and a repair O(rows).
+/// Cost.       A step O(kLeastNear + rows / 32), a choice and a repair O(rows).
 class PackedCosts {
  public:
   using Costs = std::vector<double>;
-  static constexpr std::size_t kMostNear = 4000;
+  static constexpr std::size_t kLeastNear = 4000;
 
   /// What parts cost, each and all together.
   struct Answer {

@@ -104,8 +104,10 @@ class SmallPieces::Lister {
     /// The same number twice where neither matters.
     std::array<std::uint32_t, 2> made_of;
     bool fixed;
-    /// Whether it may come off a piece that is not listed, for all that is known.
+    /// Whether it may come off a piece that is not listed, for all that is known; and whether that
+    /// was asked.
     bool may_leave = true;
+    bool asked = false;
 
     [[nodiscard]] std::span<const PartIndex> all() const { return {parts.data(), size}; }
   };
@@ -163,10 +165,7 @@ class SmallPieces::Lister {
       double implied = kInfinity;
       set.value = set.size == 1 ? 0 : value_of(set, implied);
       set.room = set.fixed ? 0.0 - set.value : 0.0 - set.value - set.moving;
-      // Not asked where it would change nothing.
-      if (partings_ && !set.fixed && set.room < implied)
-        set.may_leave = partings_->may_leave(set.all(), largest);
-      if (!set.may_leave) set.room = kInfinity;
+      if (!set.fixed && set.room < implied && !may_leave(set, largest)) set.room = kInfinity;
       if (may_stay(set, largest)) set.room = std::min(set.room, set.owed - set.value);
       if (set.room < implied)
         rows.push_back({.parts = set.parts, .size = set.size, .room = set.room});
@@ -179,26 +178,11 @@ class SmallPieces::Lister {
     const std::vector<std::uint32_t> least = least_lenders(reserves, largest);
     std::vector<PriceRow> rows;
     for (ListedSet& set : sets_) {
-      PriceRow row{.parts = set.parts, .size = set.size, .room = 0.0 - set.value};
-      if (!set.fixed) {
-        row.reserves = set.may_leave;
-        row.room = set.may_leave ? row.room - set.moving - set.reserved : kInfinity;
-      }
-      if (may_stay(set, largest)) {
-        const ListedSet* const lender = lender_of(set, least, largest);
-        const double room = lender == nullptr ? kInfinity : lender->reserved + set.owed - set.value;
-        if (room < row.room) {
-          row.room = room;
-          row.reserves = false;
-          row.lenders = lender->parts;
-          row.num_lenders = lender->size;
-        }
-      }
+      PriceRow row = row_of(set, least, largest);
+      if (!is_implied(set, row.room) && row.reserves && !may_leave(set, largest))
+        row = row_of(set, least, largest);
       set.room = row.room;
-      const bool implied = set.room == kInfinity ||
-                           (set.size > 1 && set.made_of[0] != set.made_of[1] &&
-                            set.room >= sets_[set.made_of[0]].room + sets_[set.made_of[1]].room);
-      if (!implied) rows.push_back(row);
+      if (!is_implied(set, row.room)) rows.push_back(row);
     }
     return rows;
   }
@@ -235,15 +219,18 @@ class SmallPieces::Lister {
       most = std::max(most, sum);
     }
     std::size_t idle = 0;
+    double last = -kInfinity;
     for (std::size_t round = 0; round < kMostRounds && !effort_.is_over(); ++round) {
       PackedCosts packed(rows_with(reserves, largest), parts);
       PackedCosts::Answer valid = packed.made_valid(costs);
-      const double before = best.sum;
+      const double reached = valid.sum;
       if (valid.sum > best.sum) {
         best = std::move(valid);
         best_reserves = reserves;
       }
-      idle = best.sum < before * kWorthARound ? idle + 1 : 0;
+      // At first reserves are out of balance, and what is reached falls before it rises.
+      idle = round > 0 && reached < last * kWorthARound ? idle + 1 : 0;
+      last = reached;
       if (idle == kMostIdleRounds) break;
       packed.climb(costs, reserves, kStepsInRound,
                    0.002 * scale / (1 + 0.4 * static_cast<double>(round)));
@@ -268,6 +255,37 @@ class SmallPieces::Lister {
     set.size = parts.size();
   }
 
+  /// Whether a set may come off a piece of more than `largest` parts. Asked of those alone for
+  /// which it matters.
+  [[nodiscard]] bool may_leave(ListedSet& set, std::size_t largest) {
+    if (!set.asked && partings_) set.may_leave = partings_->may_leave(set.all(), largest);
+    set.asked = true;
+    return set.may_leave;
+  }
+  /// The row of a set, by what sets of parts reserve at least.
+  [[nodiscard]] PriceRow row_of(const ListedSet& set, const std::vector<std::uint32_t>& least,
+                                std::size_t largest) const {
+    PriceRow row{.parts = set.parts, .size = set.size, .room = 0.0 - set.value};
+    if (!set.fixed) {
+      row.reserves = set.may_leave;
+      row.room = set.may_leave ? row.room - set.moving - set.reserved : kInfinity;
+    }
+    if (!may_stay(set, largest)) return row;
+    const ListedSet* const lender = lender_of(set, least, largest);
+    const double room = lender == nullptr ? kInfinity : lender->reserved + set.owed - set.value;
+    if (room >= row.room) return row;
+    row.room = room;
+    row.reserves = false;
+    row.lenders = lender->parts;
+    row.num_lenders = lender->size;
+    return row;
+  }
+  /// Whether the rows of two sets that make it up say as much.
+  [[nodiscard]] bool is_implied(const ListedSet& set, double room) const {
+    if (room == kInfinity) return true;
+    if (set.size == 1 || set.made_of[0] == set.made_of[1]) return false;
+    return room >= sets_[set.made_of[0]].room + sets_[set.made_of[1]].room;
+  }
   /// Whether a set may be what stays of a piece of more than `largest` parts, for nothing.
   [[nodiscard]] static bool may_stay(const ListedSet& set, std::size_t largest) {
     return !set.fixed && 2 * set.size > largest;
