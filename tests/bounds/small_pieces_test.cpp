@@ -82,6 +82,21 @@ bool connected(const Problem& problem, unsigned bits) {
   return reached == bits;
 }
 
+/// Calls visit(a, b, c) for each way to cut the piece `bits` at connection c into two sides that
+/// hang together; `a` holds the first part of c.
+template <class Visit>
+void for_each_cut(const Problem& problem, unsigned bits, Visit&& visit) {
+  for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
+    const unsigned first = 1U << static_cast<std::size_t>(problem.ends(c)[0]);
+    const unsigned second = 1U << static_cast<std::size_t>(problem.ends(c)[1]);
+    for (unsigned a = (bits - 1) & bits; a != 0; a = (a - 1) & bits) {
+      const unsigned b = bits & ~a;
+      if ((a & first) == 0 || (b & second) == 0) continue;
+      if (connected(problem, a) && connected(problem, b)) visit(a, b, c);
+    }
+  }
+}
+
 // For every piece and every cut of it the bound is at least what the cut gains and the bounds of
 // the two sides, whatever sizes are listed. So it is admissible too, by induction.
 TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
@@ -103,17 +118,10 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
         for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
           if (bounds[bits] == -kInfinity) continue;
           double most = parts_of(bits).size() == 1 ? 0 : -kInfinity;
-          for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
-            const unsigned first = 1U << static_cast<std::size_t>(problem.ends(c)[0]);
-            const unsigned second = 1U << static_cast<std::size_t>(problem.ends(c)[1]);
-            for (unsigned a = (bits - 1) & bits; a != 0; a = (a - 1) & bits) {
-              const unsigned b = bits & ~a;
-              if ((a & first) == 0 || (b & second) == 0) continue;
-              if (bounds[a] == -kInfinity || bounds[b] == -kInfinity) continue;
-              const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
-              if (gain) most = std::max(most, *gain + bounds[a] + bounds[b]);
-            }
-          }
+          for_each_cut(problem, bits, [&](unsigned a, unsigned b, ConnectionIndex c) {
+            const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
+            if (gain) most = std::max(most, *gain + bounds[a] + bounds[b]);
+          });
           EXPECT_GE(bounds[bits], most - 1e-9);
           // What is listed is exact.
           if (parts_of(bits).size() <= listed) {
@@ -162,20 +170,13 @@ TEST(SmallPieces, EveryLegalCutOfBlockedPartsKeepsTheBound) {
         if (!std::isnan(value[bits])) return value[bits];
         const double bound = pieces.bound(parts_of(bits));
         double most = parts_of(bits).size() == 1 ? 0 : -kInfinity;
-        for (ConnectionIndex c = 0; c < problem.num_connections(); ++c) {
-          const unsigned first = 1U << static_cast<std::size_t>(problem.ends(c)[0]);
-          const unsigned second = 1U << static_cast<std::size_t>(problem.ends(c)[1]);
-          for (unsigned a = (bits - 1) & bits; a != 0; a = (a - 1) & bits) {
-            const unsigned b = bits & ~a;
-            if ((a & first) == 0 || (b & second) == 0) continue;
-            if (!connected(problem, a) || !connected(problem, b)) continue;
-            const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
-            if (!gain) continue;
-            const double sides = value_of(a) + value_of(b);
-            EXPECT_GE(bound, *gain + pieces.bound(parts_of(a)) + pieces.bound(parts_of(b)) - 1e-9);
-            most = std::max(most, *gain + sides);
-          }
-        }
+        for_each_cut(problem, bits, [&](unsigned a, unsigned b, ConnectionIndex c) {
+          const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
+          if (!gain) return;
+          const double sides = value_of(a) + value_of(b);
+          EXPECT_GE(bound, *gain + pieces.bound(parts_of(a)) + pieces.bound(parts_of(b)) - 1e-9);
+          most = std::max(most, *gain + sides);
+        });
         EXPECT_GE(bound, most - 1e-9);
         return value[bits] = most;
       };
