@@ -291,5 +291,14 @@ TEST(Program, ArgumentsAndInputArriveAsTheyAre) {
   EXPECT_EQ(run_program("sh", suicide)->signal, 9);
 }
 
+// Ctrl-C reaches every process of a terminal's group, also one that has only just been started.
+TEST(Program, IsNotEndedByWhatAsksItsCallerToStop) {
+  const std::vector<std::string> asked = {"-c", "kill -INT $$; kill -TERM $$; echo whole"};
+  const std::optional<ProgramRun> run = run_program("sh", asked);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run->signal, 0);
+  EXPECT_EQ(run->output, "whole\n");
+}
+
 }  // namespace
 }  // namespace orasp

@@ -61,19 +61,23 @@ int spawn(const std::string& program, std::span<const std::string> arguments,
   posix_spawn_file_actions_adddup2(&actions, fileno(streams.output.get()), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, fileno(streams.errors.get()), STDERR_FILENO);
 
-  // The caller may have blocked or ignored signals; the child gets the usual ones.
+  // The caller may have blocked or ignored signals; the child gets the usual ones, but for those
+  // that ask to stop. Ctrl-C and timeout(1) send them to a whole group of processes. They are for
+  // the caller alone: dot would draw what it has from within its signal handler, and may wait there
+  // for itself for ever. They are blocked from the child's first instruction on, so there is no
+  // moment at which one of them ends it.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  sigset_t signals;
-  sigemptyset(&signals);
-  posix_spawnattr_setsigmask(&attributes, &signals);
-  sigaddset(&signals, SIGPIPE);
-  posix_spawnattr_setsigdefault(&attributes, &signals);
-  // Ctrl-C goes to a group of processes. It is for the caller alone: dot handles it by drawing what
-  // it has from within its signal handler, and may wait there for itself for ever.
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGINT);
+  sigaddset(&blocked, SIGTERM);
+  posix_spawnattr_setsigmask(&attributes, &blocked);
+  sigset_t usual;
+  sigemptyset(&usual);
+  sigaddset(&usual, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &usual);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
 
   std::vector<std::string> words = {program};
   words.insert(words.end(), arguments.begin(), arguments.end());

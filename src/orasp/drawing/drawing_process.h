@@ -20,7 +20,8 @@ struct ProgramRun {
 /// looked up in PATH; each argument reaches it as it is. Waits for its end. Empty if there is no
 /// such program. Its three standard streams are files without a name, not pipes: no reader and
 /// writer that wait for each other, and no signal if it stops reading. Signals that this process
-/// blocks or ignores are not blocked or ignored there.
+/// blocks or ignores are not blocked or ignored there, and SIGINT and SIGTERM are blocked: who asks
+/// a group of processes to stop asks the caller, who decides what becomes of the work.
 /// @throws InputError if there is no room for temporary files, or the program cannot be started for
 /// another reason.
 [[nodiscard]] std::optional<ProgramRun> run_program(const std::string& program,
