@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "orasp/io/formula_parser.h"
 #include "orasp/model/random.h"
 #include "orasp/orasp.h"
+#include "orasp/planners/detail/and_or_search.h"
 #include "tests/checks.h"
 
 namespace orasp {
@@ -20,13 +22,14 @@ using Set = detail::PartSet<1>;
 
 constexpr std::size_t kPartsOfLocked = 8;
 
-/// Eight parts at random places, joined by a random tree and some more connections; some block
+/// Parts at random places, joined by a random tree and some more connections; some block
 /// others along some axes. In every fourth problem one part is a base part, in every fourth two.
-ProblemSpec locked_product(std::uint64_t seed, const std::string& objective) {
+ProblemSpec locked_product(std::uint64_t seed, const std::string& objective,
+                           std::size_t parts = kPartsOfLocked) {
   SplitMix64 random(seed);
   ProblemSpec spec;
   spec.name = "p" + std::to_string(seed);
-  for (std::size_t p = 0; p < kPartsOfLocked; ++p) {
+  for (std::size_t p = 0; p < parts; ++p) {
     Part part;
     part.id = std::string(1, static_cast<char>('a' + p));
     part.mass = 1 + random.uniform();
@@ -39,17 +42,17 @@ ProblemSpec locked_product(std::uint64_t seed, const std::string& objective) {
     connection.parts = {spec.parts[a].id, spec.parts[b].id};
     spec.connections.push_back(connection);
   };
-  for (std::size_t p = 1; p < kPartsOfLocked; ++p) join(p, random.below(p));
+  for (std::size_t p = 1; p < parts; ++p) join(p, random.below(p));
   for (std::size_t more = seed % 4; more > 0; --more) {
-    const std::size_t a = random.below(kPartsOfLocked - 1);
-    join(a, a + 1 + random.below(kPartsOfLocked - 1 - a));
+    const std::size_t a = random.below(parts - 1);
+    join(a, a + 1 + random.below(parts - 1 - a));
   }
   if (seed % 3 != 0) {
     Blocking& blocking = spec.blocking.emplace();
     for (const char* axis : {"+x", "-x", "+y", "-y"}) blocking.directions.emplace_back(axis);
     for (std::size_t i = 0; i < 10; ++i) {
-      const std::size_t a = random.below(kPartsOfLocked);
-      const std::size_t b = (a + 1 + random.below(kPartsOfLocked - 1)) % kPartsOfLocked;
+      const std::size_t a = random.below(parts);
+      const std::size_t b = (a + 1 + random.below(parts - 1)) % parts;
       Blocked blocked;
       blocked.part = spec.parts[a].id;
       blocked.by = spec.parts[b].id;
@@ -204,7 +207,8 @@ TEST(AndOr, KeepsWhatItProvedBetweenTurns) {
     const TransitionSystem system(problem);
     const Result truth = value_iteration(system, {}, Budget{});
     if (truth.status != Status::Optimal) continue;
-    for (const double known : {-kInfinity, truth.reward, truth.reward - 1}) {
+    const Result some = random_sequence(system, {.seed = 1}, Budget{});
+    for (const Result& known : {Result{}, truth, some}) {
       const Budget budget;
       AndOrTurns turns(system, budget);
       double before = kInfinity;
@@ -220,6 +224,56 @@ TEST(AndOr, KeepsWhatItProvedBetweenTurns) {
     }
   }
   EXPECT_GE(turns_taken, 60U);
+}
+
+// A window may hold all of eight parts, so that from any plan the best one is found.
+TEST(AndOr, CutsAPlanAnewInTheBestWayThereIs) {
+  std::size_t better = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      SCOPED_TRACE(std::string(objective) + ", seed " + std::to_string(seed));
+      const Problem problem(locked_product(seed, objective));
+      const TransitionSystem system(problem);
+      const Result truth = value_iteration(system, {}, Budget{});
+      if (truth.status != Status::Optimal) continue;
+      const Result start = random_sequence(system, {.seed = seed}, Budget{});
+      if (!start.has_plan()) continue;
+      const detail::PieceProblem pieces(system, std::make_shared<const PieceGains>(system));
+      const Budget budget;
+      Result spent;
+      detail::AndOrSearch<1> search(pieces, 0, budget, spent);
+      const double least = 1e-9 * std::max(1.0, std::abs(truth.reward));
+      if (!search.recut(start.sequence, 100'000)) {
+        ASSERT_NEAR(start.reward, truth.reward, least);
+        continue;
+      }
+      const Evaluation found = evaluate(problem, search.sequence(false));
+      ASSERT_TRUE(found.valid);
+      ASSERT_NEAR(found.reward, truth.reward, least);
+      ++better;
+    }
+  }
+  EXPECT_GT(better, 60U);
+}
+
+// While a plan is made better on one thread the search goes on on the other.
+TEST(AndOr, MakesAPlanBetterBesideTheSearchWithTheSameAnswer) {
+  std::size_t open = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem problem(locked_product(seed, "time", 26));
+    const TransitionSystem system(problem);
+    Budget budget;
+    const Result one = and_or(system, {.rounds = 2}, budget);
+    budget.threads = 2;
+    const Result two = and_or(system, {.rounds = 2}, budget);
+    EXPECT_EQ(one.sequence, two.sequence);
+    EXPECT_EQ(one.bound, two.bound);
+    EXPECT_EQ(one.statistics.expanded, two.statistics.expanded);
+    if (one.status == Status::Feasible) ++open;
+    ASSERT_TRUE(evaluate(problem, one.sequence).valid);
+  }
+  EXPECT_GT(open, 0U);
 }
 
 // A hub with chains of equal length on it: no cut takes more than a chain off it, which sizes alone

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -30,8 +31,13 @@ class GrowingArray {
   [[nodiscard]] const T& back() const { return data_.get()[size_ - 1]; }
   [[nodiscard]] std::span<T> span() { return {data(), size_}; }
   [[nodiscard]] std::span<const T> span() const { return {data(), size_}; }
-  /// Memory in use; pages reserved beyond it were never touched.
-  [[nodiscard]] std::uint64_t bytes() const { return size_ * sizeof(T); }
+  /// Memory in use; pages reserved beyond it were never touched. A large page is there as a whole.
+  [[nodiscard]] std::uint64_t bytes() const {
+    const std::uint64_t used = size_ * sizeof(T);
+    if (!huge_pages_) return used;
+    return std::min<std::uint64_t>((used + kHugePage - 1) / kHugePage * kHugePage,
+                                   capacity_ * sizeof(T));
+  }
 
   void push_back(const T& value) {
     if (size_ == capacity_) reserve(capacity_ == 0 ? 64 : capacity_ * 2);
@@ -59,6 +65,7 @@ class GrowingArray {
 
  private:
   static constexpr std::size_t kLarge = std::size_t{1} << 20U;
+  static constexpr std::uint64_t kHugePage = std::uint64_t{2} << 20U;
 
   // Large tables are touched once from end to end: with pages of 2 MiB the kernel is entered 512
   // times less often. A hint, given once an array is large (a huge page is cleared whole); where it

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,8 +37,10 @@ class AndOrRounds {
       : pieces_(pieces),
         budget_(budget),
         search_(pieces, 0, budget, all_cuts_),
+        recut_budget_(budget),
         symmetry_use_(symmetry) {
     best_.method = "and-or";
+    recut_budget_.progress = nullptr;
   }
 
   /// The next `rounds` rounds.
@@ -52,7 +55,7 @@ class AndOrRounds {
     for (const std::uint64_t last_round = round_ + rounds - 1;; ++round_) {
       const std::uint64_t round = round_;
       const std::uint64_t longer = std::uint64_t{1} << std::min<std::uint64_t>(round, 40);
-      const bool done = search_.run(first_expansions * longer, first_looks * longer);
+      const bool done = search(first_expansions * longer, first_looks * longer);
       most_ = all_cuts_.bound.value_or(kInfinity);
       if (done && most_ == -kInfinity) return detail::exhausted("and-or", all_cuts_.statistics);
       if (done) take_plan(search_, false, all_cuts_);
@@ -64,6 +67,7 @@ class AndOrRounds {
       Stop stop = all_cuts_.stop;
       if (!proved() && !done && stop == Stop::None && !all_kept && !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
+      if (!proved() && !done && stop == Stop::None && !recut_) recut();
       if (!done && !proved() && stop == Stop::None) {
         look_for_symmetry(true);
         if (round < last_round) continue;
@@ -74,10 +78,15 @@ class AndOrRounds {
     }
   }
 
-  /// A plan of another method that earns `reward`: what loses more need not be looked at.
-  void know_plan(double reward) { search_.know_plan(reward); }
+  /// A plan of another method: what loses more need not be looked at.
+  void know_plan(const Result& plan) {
+    if (plan.has_plan() && plan.reward > best_.reward) keep_plan(plan);
+  }
 
  private:
+  /// Looks at cuts while a plan is made better, at first; some hundredths of a second.
+  static constexpr std::uint64_t kRecutLooks = 200'000;
+
   /// Looks for symmetry, once: where it was asked for at once, and by itself where the search is
   /// `is_long`.
   void look_for_symmetry(bool is_long) {
@@ -113,6 +122,7 @@ class AndOrRounds {
   }
 
   void keep_plan(const Result& result) {
+    best_.status = Status::Feasible;
     best_.sequence = result.sequence;
     best_.reward = result.reward;
     search_.know_plan(best_.reward);
@@ -133,6 +143,47 @@ class AndOrRounds {
     if (all_cuts_.stop == Stop::None) take_plan(search_, false, peeled);
     peeling_pays_ = peeled.has_plan() && peeled.reward >= best_.reward;
     if (peeling_pays_) keep_plan(peeled);
+  }
+
+  /// The next part of the search over all cuts, and beside it, where there is a second thread, a
+  /// look for what makes the best plan better. Neither sees what the other one finds, so that the
+  /// answer is the same with one thread. @returns whether the search is done.
+  bool search(std::uint64_t expansions, std::uint64_t looks) {
+    const bool recuts = best_.has_plan() && recut_;
+    if (!recuts || budget_.threads < 2) {
+      const bool done = search_.run(expansions, looks);
+      if (recuts && !done && all_cuts_.stop == Stop::None) recut();
+      return done;
+    }
+    bool done = false;
+    bool better = false;
+    std::stop_source enough;
+    recut_budget_.stop = enough.get_token();
+    const std::stop_callback stopped(budget_.stop, [&] { enough.request_stop(); });
+    detail::run_parallel(2, [&](std::size_t thread) {
+      if (thread == 1) {
+        better = recut_->recut(best_.sequence, recut_looks_);
+        return;
+      }
+      done = search_.run(expansions, looks);
+      if (done) enough.request_stop();
+    });
+    if (!done) take_recut(better);
+    return done;
+  }
+
+  /// Cuts the best plan anew, window by window.
+  void recut() {
+    if (!recut_) recut_.emplace(pieces_, 0, recut_budget_, recut_result_);
+    if (best_.has_plan()) take_recut(recut_->recut(best_.sequence, recut_looks_));
+  }
+
+  /// Follows what was cut anew, if that is better. The next look is longer, as all of a round is.
+  void take_recut(bool better) {
+    Result found;
+    if (better) take_plan(*recut_, false, found);
+    if (found.has_plan() && found.reward > best_.reward) keep_plan(found);
+    recut_looks_ *= 2;
   }
 
   /// Searches random spanning forests, in parallel; their number does not depend on the number of
@@ -185,6 +236,11 @@ class AndOrRounds {
   /// What the search over all cuts gives.
   Result all_cuts_;
   detail::AndOrSearch<kWords> search_;
+  /// What makes plans better has a search of its own: the two may work at the same time.
+  Budget recut_budget_;
+  Result recut_result_;
+  std::optional<detail::AndOrSearch<kWords>> recut_;
+  std::uint64_t recut_looks_ = kRecutLooks;
   /// The best plan of all searches.
   Result best_;
   /// The bound that the search over all cuts has proved.
@@ -206,7 +262,7 @@ class AnyRounds {
   AnyRounds(const AnyRounds&) = delete;
   AnyRounds& operator=(const AnyRounds&) = delete;
   virtual ~AnyRounds() = default;
-  [[nodiscard]] virtual Result next(std::uint64_t rounds, double known_reward) = 0;
+  [[nodiscard]] virtual Result next(std::uint64_t rounds, const Result& known) = 0;
 };
 
 }  // namespace detail
@@ -218,8 +274,8 @@ class RoundsOfWords final : public detail::AnyRounds {
  public:
   RoundsOfWords(const detail::PieceProblem& pieces, SymmetryUse symmetry, const Budget& budget)
       : rounds_(pieces, symmetry, budget) {}
-  [[nodiscard]] Result next(std::uint64_t rounds, double known_reward) override {
-    rounds_.know_plan(known_reward);
+  [[nodiscard]] Result next(std::uint64_t rounds, const Result& known) override {
+    rounds_.know_plan(known);
     return rounds_.run(rounds);
   }
 
@@ -254,12 +310,12 @@ AndOrTurns::AndOrTurns(const TransitionSystem& system, const Budget& budget,
     : system_(system), budget_(budget), gains_(std::move(gains)), symmetry_(symmetry) {}
 AndOrTurns::~AndOrTurns() = default;
 
-Result AndOrTurns::next(std::uint64_t rounds, double known_reward) {
+Result AndOrTurns::next(std::uint64_t rounds, const Result& known) {
   Result result;
   try {
     if (!work_) work_ = std::make_unique<Work>(system_, budget_, gains_, symmetry_);
     if (!work_->rounds) return {};
-    result = work_->rounds->next(rounds, known_reward);
+    result = work_->rounds->next(rounds, known);
   } catch (const InputError&) {
     // A formula without a value for a cut that no plan may ever make: what follows meets it if one
     // does.
@@ -297,7 +353,7 @@ Result searched(const TransitionSystem& system, const AndOrOptions& options, con
     throw Refusal("and-or", *reason);
   if (system.wide()) return detail::part_trees(system, budget);
   AndOrTurns turns(system, budget, nullptr, options.symmetry);
-  Result result = turns.next(options.rounds, -kInfinity);
+  Result result = turns.next(options.rounds, {});
   if (!result.has_plan() && result.status != Status::Infeasible) {
     // The cut tree could not be carried out, or there was no time for one.
     Result other =

@@ -42,6 +42,10 @@ struct AndOrOptions {
 ///             max_subassemblies one side is finished before the other is begun, which needs the
 ///             fewest at a time (Sethi and Ullman 1970), so a memory entry is a set of parts and
 ///             the number allowed to it.
+/// Plans.      From the second round on the best plan that is known is cut anew, window by window,
+///             beside the search where there are two threads and else after it
+///             (detail::AndOrSearch::recut(): iterative dynamic programming and iterated local
+///             search). The search then begins with a plan that is mostly the best one.
 /// Symmetry.   Pieces that an exchange of equal parts takes into one another have one value, so one
 ///             of them is searched for all (symmetry/symmetry.h). With SymmetryUse::Auto exchanges
 ///             are looked for after the first round, and used where there are at least
@@ -83,10 +87,9 @@ class AndOrTurns {
   AndOrTurns& operator=(const AndOrTurns&) = delete;
   ~AndOrTurns();
 
-  /// The next rounds. A plan is known that earns `known_reward`; -infinity where none is. The
-  /// expansions in the answer are those of these rounds; unknown without a bound where the search
-  /// is of no use.
-  [[nodiscard]] Result next(std::uint64_t rounds, double known_reward);
+  /// The next rounds, from a plan that is known, where there is one. The expansions in the answer
+  /// are those of these rounds; unknown without a bound where the search is of no use.
+  [[nodiscard]] Result next(std::uint64_t rounds, const Result& known);
 
  private:
   struct Work;

@@ -34,7 +34,7 @@ namespace {
 constexpr std::uint64_t kFirstLook = 5000;
 /// Expansions to find any plan where greedy meets dead ends.
 constexpr std::uint64_t kLookForAny = 20'000;
-/// Expansions of the first turn of beam; each turn is four times as long as the one before.
+/// Expansions of the first turn of beam; each turn is longer than the one before.
 constexpr std::uint64_t kFirstTurn = 5'000;
 
 /// Whether H is small enough to build, looked at as cheaply as possible.
@@ -129,6 +129,10 @@ class Findings {
   }
 
   [[nodiscard]] const Result& best() const { return best_; }
+  /// How far the bound is above the best plan; infinite where one of them is not known.
+  [[nodiscard]] double gap() const {
+    return best_.has_plan() ? *best_.bound - best_.reward : kInfinity;
+  }
   [[nodiscard]] bool settled() const {
     return infeasible_ || (best_.has_plan() && detail::meets(best_.reward, *best_.bound));
   }
@@ -153,7 +157,14 @@ class Findings {
   bool infeasible_ = false;
 };
 
-/// Looks piece by piece, in turns. Where a turn hardly lowers the bound, the next one is shorter.
+/// Whether a turn has narrowed the gap by so much that the next one may be four times as long, not
+/// twice. So no method takes all the time where another one gets on.
+bool worthwhile(double gap_before, double gap) {
+  constexpr double kShare = 0.05;
+  return !std::isfinite(gap) || gap_before - gap >= kShare * gap_before;
+}
+
+/// Looks piece by piece, in turns.
 class PieceTurns {
  public:
   PieceTurns(const TransitionSystem& system, const Budget& budget,
@@ -162,13 +173,10 @@ class PieceTurns {
 
   /// What ended the turn if it was more than its length.
   Stop look(Findings& findings) {
-    constexpr double kWorthwhile = 0.05;
-    const double reward = findings.best().has_plan() ? findings.best().reward : -kInfinity;
-    const double before = *findings.best().bound;
-    const Result result = turns_.next(rounds_, reward);
+    const double before = findings.gap();
+    const Result result = turns_.next(rounds_, findings.best());
     findings.add(result);
-    const bool lowered = before - *findings.best().bound >= kWorthwhile * (before - reward);
-    rounds_ = lowered || !std::isfinite(reward) ? 2 : 1;
+    rounds_ = worthwhile(before, findings.gap()) ? 2 : 1;
     if (result.stop == Stop::None) ended_ = true;
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
   }
@@ -248,13 +256,14 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   ConnectionBound connections(system);
   if (connections.known()) findings.lower(connections(start.view()));
 
-  // In turn until the limit, each turn four times as long as the one before.
+  // In turn until the limit, each turn longer than the one before.
   std::string how =
       pieces->sees_connections() ? "orasp-search, beam and and-or in turn, since the state-action "
                                    "graph is too large to build"
       : by_pieces ? "and-or and beam in turn, since the state-action graph is too large to build"
                   : "beam, since the state-action graph is too large to build";
   bool may_be_dense = dense_values_safe(forwards) && dense_table_fits(forwards, budget);
+  std::uint64_t turn_length = kFirstTurn;
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
     if (turn == kTurnsBeforeMany && more_is_worth_listing(*pieces, budget)) {
       pieces = std::make_unique<PieceBound>(
@@ -265,10 +274,8 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
       turns.emplace(system, budget, pieces->gains());
     }
     Budget some = budget;
-    if (!pieces_ended) {
-      some.max_expansions = kFirstTurn << std::min<std::uint64_t>(2 * turn, 40);
-      some.max_expansions = std::min(some.max_expansions, budget.max_expansions);
-    }
+    if (!pieces_ended) some.max_expansions = std::min(turn_length, budget.max_expansions);
+    const double gap_before = findings.gap();
     if (pieces->sees_connections()) {
       // Pieces and layers tell states apart that promise the same here; a depth-first search sees
       // by the bound that most of them cannot be better.
@@ -291,6 +298,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
                : passes.stop;
     if (findings.settled() || stop != Stop::None) break;
     if (passes.status == Status::Optimal) break;
+    turn_length *= worthwhile(gap_before, findings.gap()) ? 4 : 2;
     if (!pieces_ended && (turn >= kTurnsBeforePieces || !pieces->sees_connections()))
       stop = look_at_pieces();
     if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())

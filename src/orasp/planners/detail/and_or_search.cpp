@@ -48,48 +48,51 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
   close_precedence();
 }
 
+/// The pieces of the problem, and how many subassemblies there may be.
+template <std::size_t kWords>
+void AndOrSearch<kWords>::find_pieces() {
+  pieces_.clear();
+  graph_.for_each_piece(ConnectionSet::all(problem_.num_connections()).view(),
+                        [&](std::span<const PartIndex> piece) {
+                          if (piece.size() < 2) return;
+                          Set set;
+                          for (const PartIndex part : piece) set.insert(part);
+                          pieces_.push_back(set);
+                        });
+  // Pieces that are taken apart later count as subassemblies while an earlier one is taken apart,
+  // so the order of the pieces matters under max_subassemblies. The bound must hold for every
+  // order: it allows each piece as many subassemblies as if it were alone.
+  allowed_ = std::min(problem_.limits().max_subassemblies.value_or(kMostAllowed), kMostAllowed);
+}
+
 template <std::size_t kWords>
 bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_looks) {
   run_is_over_ = false;
   peeled_.clear();
   run_ends_at_ = result_.statistics.expanded + most_expansions;
   looks_end_at_ = looks_ + most_looks;
-  std::vector<Set> pieces;
-  graph_.for_each_piece(ConnectionSet::all(problem_.num_connections()).view(),
-                        [&](std::span<const PartIndex> piece) {
-                          if (piece.size() < 2) return;
-                          Set set;
-                          for (const PartIndex part : piece) set.insert(part);
-                          pieces.push_back(set);
-                        });
-  // Pieces that are taken apart later count as subassemblies while an earlier one is taken apart,
-  // so the order of the pieces matters under max_subassemblies. The bound must hold for every
-  // order: it allows each piece as many subassemblies as if it were alone.
-  std::size_t allowed = problem_.limits().max_subassemblies.value_or(kMostAllowed);
-  allowed = std::min(allowed, kMostAllowed);
+  find_pieces();
   double most = 0;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
   if (problem_.num_connections() > 0) most += first_ ? first_->most : gains_.last_surplus();
   const auto form = [&](const Set& piece) { return form_of(piece, piece.size()); };
-  for (const Set& piece : pieces) most += upper(form(piece), piece.size());
+  for (const Set& piece : pieces_) most += upper(form(piece), piece.size());
   result_.bound = most;
   most_loss_ = std::max(0.0, most - known_reward_) + slack(most);
   std::vector<double> losses;
-  for (const Set& piece : pieces) {
+  for (const Set& piece : pieces_) {
     const double before = most;
     const double loss =
-        solve(form(piece), allowed, [&](double lower) { result_.bound = before - lower; });
+        solve(form(piece), allowed_, [&](double lower) { result_.bound = before - lower; });
     most -= loss;
     losses.push_back(loss);
     result_.bound = most;
     if (most == -kInfinity || result_.stop != Stop::None || run_is_over_) break;
   }
   if (first_ && most > -kInfinity && result_.stop == Stop::None && !run_is_over_)
-    result_.bound = most - loss_of_first_step(pieces, losses, allowed);
+    result_.bound = most - loss_of_first_step(pieces_, losses, allowed_);
   result_.statistics.states = std::max<std::uint64_t>(result_.statistics.states, memo_.size());
   result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
-  allowed_ = allowed;
-  pieces_ = std::move(pieces);
   return result_.stop == Stop::None && !run_is_over_;
 }
 

@@ -18,6 +18,7 @@
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/detail/connectivity.h"
+#include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
 #include "orasp/planners/detail/part_set.h"
@@ -70,9 +71,10 @@ struct PieceProblem {
 ///
 /// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
-/// search takes too long, and_or_first.cpp what changes where the first step completes,
-/// and_or_hubs.cpp what a hub costs beyond sizes, and_or_stored.cpp the search where the cuts of a
-/// piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
+/// search takes too long, and_or_recut.cpp how a plan is made better, and_or_first.cpp what changes
+/// where the first step completes, and_or_hubs.cpp what a hub costs beyond sizes, and_or_stored.cpp
+/// the search where the cuts of a piece are listed once and kept, and_or_sequence.cpp the steps of
+/// a plan.
 template <std::size_t kWords>
 class AndOrSearch {
  public:
@@ -102,6 +104,21 @@ class AndOrSearch {
   /// cut off is solved exactly. The next sequence() follows the plan that is found. Only after
   /// run().
   void peel(std::size_t width);
+
+  /// Makes a plan better by windows of its tree of cuts. A window is a piece with some of the
+  /// pieces that the plan makes of it later; these stay what they are, and the best way to cut the
+  /// one into the others is found over all groups of them. Windows are drawn at random, most of
+  /// them around cuts that lose something, until some `most_looks` cuts were looked at. Of ways
+  /// that are as good any is taken, so that the next windows see other trees. Where no window
+  /// brings anything any more, some are cut in any way at all, and what follows is kept if it is no
+  /// worse (iterated local search). Reference: Kossmann and Stocker (2000), Iterative dynamic
+  /// programming, ACM Trans. Database Systems 25(1), 43-82, for orders of joins; Lourenco, Martin
+  /// and Stuetzle (2003), Iterated local search, in Handbook of Metaheuristics. A window of n
+  /// pieces takes 3^n / 2 looks at most. Not under max_subassemblies, where what a piece may lose
+  /// depends on what waits beside it.
+  /// @returns whether less is lost; the next sequence() then follows what was found, which need not
+  /// be legal where the order of the cuts matters.
+  bool recut(std::span<const ConnectionIndex> plan, std::uint64_t most_looks);
 
   /// A plan that earns so much is known: what loses more need not be looked at.
   void know_plan(double reward) { known_reward_ = std::max(known_reward_, reward); }
@@ -188,6 +205,7 @@ class AndOrSearch {
   [[nodiscard]] ConnectionIndex choose_without_cut(bool dive);
 
   // and_or_search.cpp
+  void find_pieces();
   template <class Report>
   double solve(const Set& piece, std::size_t allowed, Report&& report);
   double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
@@ -252,6 +270,38 @@ class AndOrSearch {
   void peel_once(const Remainder& from, std::uint32_t number, std::size_t width,
                  std::vector<std::vector<Remainder>>& by_size);
   static void keep_best(std::vector<Remainder>& remainders, std::size_t width);
+
+  // and_or_recut.cpp
+  /// A piece of a plan and the two that it is cut into, by their numbers; kNone for a single part.
+  struct CutNode {
+    Set set;
+    std::uint32_t first = kNone;
+    std::uint32_t second = kNone;
+    double loss = 0;  ///< of the cut alone
+  };
+  /// Inner nodes of a plan's trees and the nodes below them, the atoms. The first inner one is the
+  /// uppermost.
+  struct Window {
+    std::vector<std::uint32_t> atoms;
+    std::vector<std::uint32_t> inner;
+    double loss;  ///< of all its cuts
+  };
+  /// Atoms as one piece: the least loss of cutting it down to them, and one side of the first cut.
+  struct Group {
+    Set set;
+    double loss = kInfinity;
+    std::uint32_t side = 0;
+  };
+  std::vector<CutNode> trees_of(std::span<const ConnectionIndex> plan);
+  std::optional<double> loss_of_cut(const Set& piece, const Set& side, const Set& rest);
+  std::vector<std::uint32_t> draw_path(const std::vector<CutNode>& nodes,
+                                       const std::vector<std::uint32_t>& roots, SplitMix64& random);
+  Window open_window(const std::vector<CutNode>& nodes, const std::vector<std::uint32_t>& path,
+                     std::size_t most_atoms, SplitMix64& random);
+  std::vector<Group> cut_groups(const std::vector<CutNode>& nodes, const Window& window,
+                                bool any_way, SplitMix64& random);
+  double recut_window(std::vector<CutNode>& nodes, const Window& window, bool any_way,
+                      SplitMix64& random);
 
   // and_or_sequence.cpp
   bool take(ConnectionIndex connection, Steps& steps);
@@ -455,13 +505,15 @@ class AndOrSearch {
   bool try_is_over_ = false;
   bool run_is_over_ = false;
 
-  /// The pieces of the problem, and the subassemblies allowed, as the last run had them.
+  /// The pieces of the problem, and the subassemblies allowed.
   std::vector<Set> pieces_;
   std::size_t allowed_ = 0;
   /// Whether list_cuts() may leave out cuts that peel() has no use for.
   bool peeling_ = false;
-  /// What the last peel() found: pieces, each with the side to cut off it.
+  /// What the last peel() or recut() found: pieces, each with the side to cut off it.
   std::vector<std::pair<Set, Set>> peeled_;
+  /// How often recut() was asked; each time draws other windows.
+  std::uint64_t recuts_ = 0;
 };
 
 }  // namespace orasp::detail
