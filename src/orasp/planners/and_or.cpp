@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -162,7 +163,7 @@ class AndOrRounds {
     const std::stop_callback stopped(budget_.stop, [&] { enough.request_stop(); });
     detail::run_parallel(2, [&](std::size_t thread) {
       if (thread == 1) {
-        better = recut_->recut(best_.sequence, recut_looks_);
+        better = find_recut();
         return;
       }
       done = search_.run(expansions, looks);
@@ -175,7 +176,17 @@ class AndOrRounds {
   /// Cuts the best plan anew, window by window.
   void recut() {
     if (!recut_) recut_.emplace(pieces_, 0, recut_budget_, recut_result_);
-    if (best_.has_plan()) take_recut(recut_->recut(best_.sequence, recut_looks_));
+    if (best_.has_plan()) take_recut(find_recut());
+  }
+
+  /// Whether the best plan can be cut anew to be better. A formula without a value for some cut
+  /// ends the look: no plan need ever make that cut.
+  bool find_recut() {
+    try {
+      return recut_->recut(best_.sequence, recut_looks_);
+    } catch (const InputError&) {
+      return false;
+    }
   }
 
   /// Follows what was cut anew, if that is better. The next look is longer, as all of a round is.
@@ -183,7 +194,7 @@ class AndOrRounds {
     Result found;
     if (better) take_plan(*recut_, false, found);
     if (found.has_plan() && found.reward > best_.reward) keep_plan(found);
-    recut_looks_ *= 2;
+    recut_looks_ = std::min(2 * recut_looks_, std::numeric_limits<std::uint64_t>::max() / 4);
   }
 
   /// Searches random spanning forests, in parallel; their number does not depend on the number of

@@ -122,7 +122,8 @@ inline bool hang_together(std::uint32_t group, const std::vector<std::uint32_t>&
 }
 
 /// How each group of a window's atoms, by their bits, is best cut down to these; with `any_way` in
-/// any way. Groups that lose more than the window did may be left out.
+/// any way. Groups that lose more than the window did may be left out, and larger ones where the
+/// budget is spent on the way.
 template <std::size_t kWords>
 auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Window& window,
                                      bool any_way, SplitMix64& random) -> std::vector<Group> {
@@ -144,6 +145,7 @@ auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Wi
   const double most = prunes ? window.loss + same : kInfinity;
   for (std::uint32_t group = 1; group < groups.size(); ++group) {
     if (std::has_single_bit(group)) continue;
+    if (result_.stop != Stop::None) break;
     Group& whole = groups[group];
     const std::uint32_t lowest = group & (0 - group);
     whole.set = groups[lowest].set | groups[group ^ lowest].set;
@@ -156,6 +158,7 @@ auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Wi
       const double below = groups[side].loss + groups[rest].loss;
       if (below == kInfinity || (prunes && below > allowed)) continue;
       const auto own = loss_of_cut(whole.set, groups[side].set, groups[rest].set);
+      if (looks_ % 4096 == 0) poll();
       if (!own || *own + below > allowed) continue;
       as_good = !any_way && *own + below < whole.loss - same ? 1 : as_good + 1;
       if (as_good > 1 && random.below(as_good) != 0) continue;
