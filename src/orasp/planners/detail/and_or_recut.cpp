@@ -13,8 +13,9 @@ auto AndOrSearch<kWords>::trees_of(std::span<const ConnectionIndex> plan) -> std
   std::vector<CutNode> nodes;
   std::vector<std::uint32_t> node_of_part(problem_.num_parts());
   for (std::size_t part = 0; part < node_of_part.size(); ++part) {
-    CutNode& leaf = nodes.emplace_back();
-    leaf.set.insert(part);
+    Set leaf;
+    leaf.insert(part);
+    nodes.push_back({.piece = bounded(leaf)});
     node_of_part[part] = static_cast<std::uint32_t>(part);
   }
   for (std::size_t i = plan.size(); i-- > 0;) {
@@ -22,11 +23,12 @@ auto AndOrSearch<kWords>::trees_of(std::span<const ConnectionIndex> plan) -> std
     const std::uint32_t a = node_of_part[u];
     const std::uint32_t b = node_of_part[v];
     if (a == b) continue;
-    CutNode joint{.set = nodes[a].set | nodes[b].set, .first = a, .second = b};
-    const std::optional<double> loss = loss_of_cut(joint.set, nodes[a].set, nodes[b].set);
+    CutNode joint{
+        .piece = bounded(nodes[a].piece.set | nodes[b].piece.set), .first = a, .second = b};
+    const std::optional<double> loss = loss_of_cut(joint.piece, nodes[a].piece, nodes[b].piece);
     if (!loss) return {};
     joint.loss = *loss;
-    joint.set.for_each(
+    joint.piece.set.for_each(
         [&](std::size_t part) { node_of_part[part] = static_cast<std::uint32_t>(nodes.size()); });
     nodes.push_back(joint);
   }
@@ -35,16 +37,16 @@ auto AndOrSearch<kWords>::trees_of(std::span<const ConnectionIndex> plan) -> std
 
 /// By how much a cut alone stays below the bound of the piece; empty where it cannot be legal.
 template <std::size_t kWords>
-std::optional<double> AndOrSearch<kWords>::loss_of_cut(const Set& piece, const Set& side,
-                                                       const Set& rest) {
-  const std::size_t side_parts = side.size();
-  const std::size_t rest_parts = rest.size();
+std::optional<double> AndOrSearch<kWords>::loss_of_cut(const BoundedSet& piece,
+                                                       const BoundedSet& side,
+                                                       const BoundedSet& rest) {
+  const std::size_t side_parts = side.set.size();
+  const std::size_t rest_parts = rest.set.size();
   if (std::min(side_parts, rest_parts) > gains_.most_moved()) return std::nullopt;
   ++looks_;
-  const std::optional<double> gain = gain_of(piece, side, rest, side_parts, rest_parts);
+  const std::optional<double> gain = gain_of(piece.set, side.set, rest.set, side_parts, rest_parts);
   if (!gain) return std::nullopt;
-  const double loss = upper(piece, side_parts + rest_parts) - *gain - upper(side, side_parts) -
-                      upper(rest, rest_parts);
+  const double loss = piece.bound - *gain - side.bound - rest.bound;
   return std::isfinite(loss) ? std::optional(loss) : std::nullopt;
 }
 
@@ -131,12 +133,12 @@ auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Wi
   std::vector<Group> groups(std::size_t{1} << atoms);
   std::vector<std::uint32_t> beside(atoms);
   for (std::size_t i = 0; i < atoms; ++i) {
-    const Set& set = nodes[window.atoms[i]].set;
-    groups[std::size_t{1} << i] = {.set = set, .loss = 0};
+    const BoundedSet& piece = nodes[window.atoms[i]].piece;
+    groups[std::size_t{1} << i] = {.piece = piece, .loss = 0};
     Set around;
-    set.for_each([&](std::size_t part) { around = around | neighbours_[part]; });
+    piece.set.for_each([&](std::size_t part) { around = around | neighbours_[part]; });
     for (std::size_t k = 0; k < atoms; ++k) {
-      if (k != i && !(around & nodes[window.atoms[k]].set).empty()) beside[i] |= 1U << k;
+      if (k != i && !(around & nodes[window.atoms[k]].piece.set).empty()) beside[i] |= 1U << k;
     }
   }
   // No cut loses less than nothing where there is a bound.
@@ -148,8 +150,9 @@ auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Wi
     if (result_.stop != Stop::None) break;
     Group& whole = groups[group];
     const std::uint32_t lowest = group & (0 - group);
-    whole.set = groups[lowest].set | groups[group ^ lowest].set;
+    whole.piece.set = groups[lowest].piece.set | groups[group ^ lowest].piece.set;
     if (!hang_together(group, beside)) continue;
+    whole.piece = bounded(whole.piece.set);
     std::uint64_t as_good = 0;
     for (std::uint32_t rest = (group - 1) & group; rest != 0; rest = (rest - 1) & group) {
       if ((rest & lowest) != 0) continue;
@@ -157,7 +160,7 @@ auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Wi
       const double allowed = any_way ? kInfinity : std::min(most, whole.loss + same);
       const double below = groups[side].loss + groups[rest].loss;
       if (below == kInfinity || (prunes && below > allowed)) continue;
-      const auto own = loss_of_cut(whole.set, groups[side].set, groups[rest].set);
+      const auto own = loss_of_cut(whole.piece, groups[side].piece, groups[rest].piece);
       if (looks_ % 4096 == 0) poll();
       if (!own || *own + below > allowed) continue;
       as_good = !any_way && *own + below < whole.loss - same ? 1 : as_good + 1;
@@ -195,7 +198,7 @@ double AndOrSearch<kWords>::recut_window(std::vector<CutNode>& nodes, const Wind
     const double own = groups[group].loss - groups[side].loss - groups[rest].loss;
     const std::uint32_t first = node_of_group(side);
     const std::uint32_t second = node_of_group(rest);
-    nodes[number] = {.set = groups[group].set, .first = first, .second = second, .loss = own};
+    nodes[number] = {.piece = groups[group].piece, .first = first, .second = second, .loss = own};
   }
   return window.loss - loss;
 }
@@ -217,7 +220,7 @@ bool AndOrSearch<kWords>::recut(std::span<const ConnectionIndex> plan, std::uint
   std::vector<CutNode> nodes = trees_of(plan);
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].set.size() > 2) roots.push_back(i);
+    if (nodes[i].piece.set.size() > 2) roots.push_back(i);
   }
   if (roots.empty()) return false;
   SplitMix64 random(recuts_++);
@@ -257,7 +260,7 @@ bool AndOrSearch<kWords>::recut(std::span<const ConnectionIndex> plan, std::uint
   }
   if (!(gained > slack(scale_))) return false;
   for (const CutNode& node : best) {
-    if (node.first != kNone) peeled_.emplace_back(node.set, best[node.first].set);
+    if (node.first != kNone) peeled_.emplace_back(node.piece.set, best[node.first].piece.set);
   }
   return true;
 }

@@ -272,9 +272,13 @@ class AndOrSearch {
   static void keep_best(std::vector<Remainder>& remainders, std::size_t width);
 
   // and_or_recut.cpp
+  struct BoundedSet {
+    Set set;
+    double bound = 0;  ///< of the piece; asked once, for many cuts of it
+  };
   /// A piece of a plan and the two that it is cut into, by their numbers; kNone for a single part.
   struct CutNode {
-    Set set;
+    BoundedSet piece;
     std::uint32_t first = kNone;
     std::uint32_t second = kNone;
     double loss = 0;  ///< of the cut alone
@@ -288,12 +292,14 @@ class AndOrSearch {
   };
   /// Atoms as one piece: the least loss of cutting it down to them, and one side of the first cut.
   struct Group {
-    Set set;
+    BoundedSet piece;
     double loss = kInfinity;
     std::uint32_t side = 0;
   };
   std::vector<CutNode> trees_of(std::span<const ConnectionIndex> plan);
-  std::optional<double> loss_of_cut(const Set& piece, const Set& side, const Set& rest);
+  [[nodiscard]] BoundedSet bounded(const Set& set) { return {set, upper(set, set.size())}; }
+  std::optional<double> loss_of_cut(const BoundedSet& piece, const BoundedSet& side,
+                                    const BoundedSet& rest);
   std::vector<std::uint32_t> draw_path(const std::vector<CutNode>& nodes,
                                        const std::vector<std::uint32_t>& roots, SplitMix64& random);
   Window open_window(const std::vector<CutNode>& nodes, const std::vector<std::uint32_t>& path,
