@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -14,6 +16,7 @@
 
 #include <gtest/gtest.h>
 
+#include "orasp/bounds/departures.h"
 #include "orasp/bounds/piece_bound.h"
 #include "orasp/model/random.h"
 #include "orasp/orasp.h"
@@ -138,6 +141,60 @@ TEST(CompanionBound, IsNeverBelowTheBestPlan) {
   RecordProperty("lower", static_cast<int>(lower));
   RecordProperty("exact", static_cast<int>(exact));
   RecordProperty("plans", static_cast<int>(plans));
+}
+
+// Every cut of every plan, seen from each part of the side that stays.
+TEST(Departures, SayOfNothingThatComesOffThatItCannot) {
+  std::size_t cuts = 0;
+  std::size_t refused = 0;
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    ProblemSpec spec = blocked_problem(seed);
+    spec.direction = Direction::Disassembly;
+    spec.limits = {};
+    spec.base.clear();
+    const Problem problem(spec);
+    const TransitionSystem system(problem);
+    const auto world = std::make_shared<const Departures::World>(system);
+    std::vector<PartIndex> all(problem.num_parts());
+    std::iota(all.begin(), all.end(), PartIndex{0});
+    std::vector<Departures> departures;
+    for (const PartIndex stays : all) departures.emplace_back(world, all, stays);
+    Expander expander(system);
+    // Whether each state, by its connections as bits, leads to the end.
+    std::map<std::uint64_t, bool> leads;
+    const std::function<bool(std::uint64_t)> visit = [&](std::uint64_t state) {
+      if (state == 0) return true;
+      const auto [known, is_new] = leads.try_emplace(state, false);
+      if (!is_new) return known->second;
+      const SetView open(&state, 1);
+      const auto span = expander.legal_actions(open);
+      const std::vector<Action> actions(span.begin(), span.end());
+      bool any = false;
+      for (const Action& action : actions) {
+        if (!visit(state & ~(std::uint64_t{1} << action.connection))) continue;
+        any = true;
+        const Step step = expander.step(open, action.connection);
+        const std::size_t there = step.a.size() + step.b.size();
+        for (const auto& [group, rest] : {std::pair(step.a, step.b), std::pair(step.b, step.a)}) {
+          for (const PartIndex stays : rest) {
+            ++cuts;
+            EXPECT_TRUE(departures[stays].possible());
+            EXPECT_TRUE(departures[stays].may_leave_more(group, there - 1));
+          }
+        }
+      }
+      return leads[state] = any;
+    };
+    static_cast<void>(visit(system.start().view().front()));
+    for (const PartIndex stays : all) {
+      if (!departures[stays].possible()) continue;
+      for (const PartIndex other : all)
+        refused += other != stays && !departures[stays].may_leave_more({&other, 1}, 2) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(cuts, 10'000U);
+  EXPECT_GT(refused, 50U);
 }
 
 // A bearing pressed into a wheel between two forks: neither leaves without the other.

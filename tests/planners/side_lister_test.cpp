@@ -174,6 +174,99 @@ TEST(SideLister, StopsWhenItIsTold) {
   EXPECT_EQ(offered, 3U);
 }
 
+// Of every piece the legal cuts that lose little enough, each with what it loses by the definition.
+TEST(CutLister, ListsTheCutsWithinALimitWithWhatTheyLose) {
+  std::size_t listed = 0;
+  std::size_t beyond = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      SCOPED_TRACE(std::string(objective) + ", seed " + std::to_string(seed));
+      const Problem problem(locked_product(seed, objective));
+      const TransitionSystem system(problem);
+      const detail::PieceProblem pieces(system, std::make_shared<const PieceGains>(system));
+      const std::vector<Set> neighbours = neighbours_in(problem);
+      detail::CutLister<1> lister(pieces, 0);
+      if (lister.links().along_forest) continue;
+      detail::CutLister<1> other(lister);
+      detail::CutLister<1>::List list;
+      for (std::uint64_t bits = 1; bits < std::uint64_t{1} << kPartsOfLocked; ++bits) {
+        const Set piece{{bits}};
+        if (piece.size() < 2 || !connected(piece, neighbours)) continue;
+        const double here = other.upper(piece, piece.size());
+        std::map<std::uint64_t, double> losses;
+        for (std::uint64_t side = bits; side != 0; side = (side - 1) & bits) {
+          const Set a{{side}};
+          const Set b = piece - a;
+          if (!a.contains(piece.first()) || !connected(a, neighbours) || !connected(b, neighbours))
+            continue;
+          const auto gain = other.gain(piece, a, b, a.size(), b.size());
+          if (!gain) continue;
+          losses[side] = here - *gain - other.upper(a, a.size()) - other.upper(b, b.size());
+        }
+        if (losses.empty()) continue;
+        double middle = 0;
+        for (const auto& [side, loss] : losses) middle += loss / static_cast<double>(losses.size());
+        for (const double limit : {kInfinity, middle}) {
+          lister.list(piece, here, limit, list, [] { return false; });
+          ASSERT_TRUE(list.complete);
+          double skipped = kInfinity;
+          std::size_t within = 0;
+          for (const auto& [side, loss] : losses) {
+            within += loss <= limit ? 1 : 0;
+            if (loss > limit) skipped = std::min(skipped, loss);
+          }
+          ASSERT_EQ(list.cuts.size(), within);
+          ASSERT_EQ(list.skipped, skipped);
+          listed += within;
+          beyond += losses.size() - within;
+          for (const auto& cut : list.cuts) {
+            ASSERT_EQ((cut.side | cut.rest), piece);
+            const auto found = losses.find(cut.side.words[0]);
+            ASSERT_NE(found, losses.end());
+            ASSERT_EQ(cut.own_loss, found->second);
+            ASSERT_EQ(cut.rest_bound, other.upper(cut.rest, cut.rest.size()));
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(listed, 10'000U);
+  EXPECT_GT(beyond, 1'000U);
+}
+
+/// All parts are connected to all others, and nothing blocks.
+ProblemSpec complete_product(std::size_t parts) {
+  ProblemSpec spec = locked_product(0, "time", parts);
+  spec.connections.clear();
+  for (std::size_t a = 0; a < parts; ++a) {
+    for (std::size_t b = a + 1; b < parts; ++b) {
+      Connection connection;
+      connection.id = std::to_string(spec.connections.size());
+      connection.parts = {spec.parts[a].id, spec.parts[b].id};
+      spec.connections.push_back(connection);
+    }
+  }
+  return spec;
+}
+
+TEST(CutLister, SaysWhereItIsNotComplete) {
+  for (const std::size_t parts : {13U, 16U}) {
+    const Problem problem(complete_product(parts));
+    const TransitionSystem system(problem);
+    const detail::PieceProblem pieces(system, std::make_shared<const PieceGains>(system));
+    detail::CutLister<1> lister(pieces, 0);
+    detail::CutLister<1>::List list;
+    const Set all{{(std::uint64_t{1} << parts) - 1}};
+    lister.list(all, 0, kInfinity, list, [] { return true; });
+    EXPECT_FALSE(list.complete);
+    lister.list(all, 0, kInfinity, list, [] { return false; });
+    EXPECT_EQ(list.complete, parts == 13);  // the others have 32,767 ways
+    if (parts == 13) {
+      EXPECT_EQ(list.cuts.size(), (std::size_t{1} << 12U) - 1);
+    }
+  }
+}
+
 // Whole proofs against value iteration on all states, in both directions.
 TEST(AndOr, AgreesWithValueIterationOnProductsThatLockThemselves) {
   std::size_t solved = 0;
@@ -224,6 +317,47 @@ TEST(AndOr, KeepsWhatItProvedBetweenTurns) {
     }
   }
   EXPECT_GE(turns_taken, 60U);
+}
+
+// Runs of a few expansions each: the bound of each holds and is no worse than the one before. With
+// the best plan known, that nothing is better is proved by looking at less.
+TEST(AndOr, GoesOnWhereARunEndedAndNeedNotFindAPlanThatIsKnown) {
+  std::uint64_t looked = 0;
+  std::uint64_t looked_with_plan = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      SCOPED_TRACE(std::string(objective) + ", seed " + std::to_string(seed));
+      const Problem problem(locked_product(seed, objective, 15));
+      const TransitionSystem system(problem);
+      const Result truth = value_iteration(system, {}, Budget{});
+      if (truth.status != Status::Optimal) continue;
+      const detail::PieceProblem pieces(system, std::make_shared<const PieceGains>(system));
+      const Budget budget;
+      const double least = 1e-9 * std::max(1.0, std::abs(truth.reward));
+      for (const double known : {-kInfinity, truth.reward - 0.1, truth.reward}) {
+        Result spent;
+        detail::AndOrSearch<1> search(pieces, 0, budget, spent);
+        search.know_plan(known);
+        double before = kInfinity;
+        bool done = false;
+        for (std::size_t runs = 0; runs < 10'000 && !done; ++runs) {
+          done = search.run(3, 1'000'000);
+          ASSERT_GE(*spent.bound, truth.reward - least);
+          ASSERT_LE(*spent.bound, before + least);
+          before = *spent.bound;
+        }
+        ASSERT_TRUE(done);
+        ASSERT_NEAR(before, truth.reward, least);
+        (known == truth.reward ? looked_with_plan : looked) += spent.statistics.generated;
+        if (known == truth.reward) continue;
+        const Evaluation found = evaluate(problem, search.sequence(false));
+        ASSERT_TRUE(found.valid);
+        ASSERT_NEAR(found.reward, truth.reward, least);
+      }
+    }
+  }
+  EXPECT_GT(looked_with_plan, 0U);
+  EXPECT_LT(2 * looked_with_plan, looked);
 }
 
 // A window may hold all of eight parts, so that from any plan the best one is found.

@@ -176,6 +176,13 @@ void Departures::settle() {
 
 void Departures::find_groups() {
   const std::size_t words = world_->words();
+  holds_up_.assign(left_.size(), 0);
+  for (const PartIndex part : parts_) {
+    if (part == stays_) continue;
+    for_each_part(std::span(left_).subspan(part * words, words), [&](PartIndex earlier) {
+      put(std::span(holds_up_).subspan(earlier * words, words), part);
+    });
+  }
   groups_.clear();
   std::vector<Word> seen(words, 0);
   for (const PartIndex part : parts_) {
@@ -205,30 +212,32 @@ bool Departures::may_leave(std::span<const PartIndex> group) const {
 
 bool Departures::may_leave_more(std::span<const PartIndex> group, std::size_t than) const {
   const std::size_t words = world_->words();
-  std::vector<Word> own(words, 0);
-  for (const PartIndex part : group) put(own, part);
-  std::vector<Word> before(words);
+  std::vector<Word> sets(3 * words, 0);
+  const std::span<Word> own = std::span(sets).first(words);
+  const std::span<Word> held = std::span(sets).subspan(words, words);
+  const std::span<Word> before = std::span(sets).last(words);
+  for (const PartIndex part : group) {
+    put(own, part);
+    add(held, std::span(holds_up_).subspan(part * words, words));
+  }
+  for (std::size_t w = 0; w < words; ++w) held[w] &= ~own[w];
   for (std::size_t way = 0; way < world_->ways(); ++way) {
     std::ranges::fill(before, Word{0});
+    // Who has left by then without the group has left before it, and so must not wait for it.
     const bool open = std::ranges::all_of(group, [&](PartIndex part) {
       const std::span<const Word> set = set_of(part, way);
-      if (!holds(set, part)) return false;
-      add(before, set);
-      return true;
+      Word waits = 0;
+      for (std::size_t w = 0; w < words; ++w) {
+        before[w] |= set[w];
+        waits |= set[w] & held[w];
+      }
+      return waits == 0 && holds(set, part);
     });
     if (!open) continue;
-    // Who has left by then without the group has left before it.
     std::size_t gone = 0;
-    for (std::size_t w = 0; w < words; ++w) {
-      before[w] &= ~own[w];
-      gone += static_cast<std::size_t>(std::popcount(before[w]));
-    }
-    bool possible = parts_.size() - gone > than;
-    for_each_part(before, [&](PartIndex other) {
-      const auto left = std::span(left_).subspan(other * words, words);
-      for (std::size_t w = 0; w < words; ++w) possible = possible && (left[w] & own[w]) == 0;
-    });
-    if (possible) return true;
+    for (std::size_t w = 0; w < words; ++w)
+      gone += static_cast<std::size_t>(std::popcount(before[w] & ~own[w]));
+    if (parts_.size() - gone > than) return true;
   }
   return false;
 }

@@ -75,6 +75,8 @@ class Departures {
   std::vector<Word> sets_;
   /// By part: whoever has left when it leaves.
   std::vector<Word> left_;
+  /// The same the other way round; by part: those that do not leave before it does.
+  std::vector<Word> holds_up_;
   std::vector<std::vector<PartIndex>> groups_;
 };
 

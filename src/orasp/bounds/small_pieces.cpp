@@ -62,7 +62,7 @@ auto SmallPieces::KeyIndex::insert(const Key& key) -> Inserted {
   if (2 * keys_.size() >= slots_.size()) fill(std::max<std::size_t>(64, 2 * slots_.size()));
   std::size_t i = hash(key) & (slots_.size() - 1);
   for (; slots_[i] != 0; i = (i + 1) & (slots_.size() - 1)) {
-    if (keys_[slots_[i] - 1] == key) return {slots_[i] - 1, false};
+    if (same(keys_[slots_[i] - 1], key)) return {slots_[i] - 1, false};
   }
   keys_.push_back(key);
   slots_[i] = static_cast<std::uint32_t>(keys_.size());
@@ -73,7 +73,7 @@ std::uint32_t SmallPieces::KeyIndex::find(const Key& key) const {
   if (slots_.empty()) return kAbsent;
   for (std::size_t i = hash(key) & (slots_.size() - 1); slots_[i] != 0;
        i = (i + 1) & (slots_.size() - 1)) {
-    if (keys_[slots_[i] - 1] == key) return slots_[i] - 1;
+    if (same(keys_[slots_[i] - 1], key)) return slots_[i] - 1;
   }
   return kAbsent;
 }
@@ -117,6 +117,7 @@ class SmallPieces::Lister {
         expander_(expander),
         problem_(system.problem()),
         effort_(effort),
+        by_connection_(system.gain_by_connection()),
         graph_(problem_),
         costs_(expander.least_extra_costs()) {}
 
@@ -423,23 +424,33 @@ class SmallPieces::Lister {
       if (!second.fixed) most = std::max(most, second.moving);
       best_of_all = std::max(best_of_all, most + apart);
       if (most + apart <= best) continue;
-      for (const PartIndex part : side_a) {
-        for (const auto& half : graph_.around(part)) {
-          if (!std::ranges::binary_search(side_b, half.other)) continue;
-          const bool part_is_a = problem_.ends(half.connection)[0] == part;
-          const auto gain = part_is_a ? expander_.cut_gain(side_a, side_b, half.connection)
-                                      : expander_.cut_gain(side_b, side_a, half.connection);
-          if (gain) best = std::max(best, *gain + costs_[half.connection] + apart);
-        }
-      }
+      best = std::max(best, most_of_cut(side_a, side_b) + apart);
     }
     return best == -kInfinity ? best_of_all : best;
+  }
+  /// The most that a cut gains, with what its connection costs; -infinity where it is not legal.
+  [[nodiscard]] double most_of_cut(std::span<const PartIndex> side_a,
+                                   std::span<const PartIndex> side_b) {
+    double best = -kInfinity;
+    for (const PartIndex part : side_a) {
+      for (const auto& half : graph_.around(part)) {
+        if (!std::ranges::binary_search(side_b, half.other)) continue;
+        const bool part_is_a = problem_.ends(half.connection)[0] == part;
+        const auto gain = part_is_a ? expander_.cut_gain(side_a, side_b, half.connection)
+                                    : expander_.cut_gain(side_b, side_a, half.connection);
+        if (gain) best = std::max(best, *gain + costs_[half.connection]);
+        // Blocking and limits look at the sides alone.
+        if (!by_connection_ || !gain) return best;
+      }
+    }
+    return best;
   }
 
   std::optional<Partings> partings_;
   Expander& expander_;
   const Problem& problem_;
   const ListingEffort& effort_;
+  bool by_connection_;  ///< whether what a cut gains depends on its connection
   detail::AssemblyGraph graph_;
   std::vector<double> costs_;  ///< what connections cost beside the bound (CutTrees)
   std::vector<ListedSet> sets_;

@@ -116,6 +116,10 @@ class SmallPieces {
     void shrink(std::size_t size);
 
    private:
+    /// Without a call.
+    static bool same(const Key& a, const Key& b) {
+      return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
+    }
     static std::size_t hash(const Key& key) {
       const std::uint64_t mixed =
           (key[0] ^ key[1] * 0x9E3779B97F4A7C15U ^ std::rotl(key[2], 29) * 0xC2B2AE3D27D4EB4FU) *

@@ -14,7 +14,7 @@ double Expander::own_reward(ConnectionIndex connection) {
 }
 
 std::optional<double> Expander::cut_gain(std::span<const PartIndex> a, std::span<const PartIndex> b,
-                                         ConnectionIndex connection) {
+                                         ConnectionIndex connection, bool direction_free) {
   Scratch& s = *scratch_;
   StepFacts facts = s.counts(connection, 2);
   facts.completes = false;
@@ -26,7 +26,7 @@ std::optional<double> Expander::cut_gain(std::span<const PartIndex> a, std::span
   s.pieces.b = {{b, {}}};
   // How many subassemblies there are is not the piece's own matter: facts.subassemblies_apart is 0
   // here.
-  if (s.rules.cuts_checked && !s.separation_legal(facts)) return std::nullopt;
+  if (s.rules.cuts_checked && !s.separation_legal(facts, direction_free)) return std::nullopt;
   return s.reward(facts) - own;
 }
 

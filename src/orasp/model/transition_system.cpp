@@ -170,18 +170,18 @@ std::span<const std::uint64_t> Expander::Scratch::free_directions_of_few() {
   return some ? free_bits : std::span<const std::uint64_t>{};
 }
 
-bool Expander::Scratch::separation_legal(const StepFacts& facts) {
+bool Expander::Scratch::separation_legal(const StepFacts& facts, bool direction_free) {
   if (facts.subassemblies_apart > rules.max_subassemblies) return false;
-  if (rules.fixed_parts) return separation_legal_on_base(facts);
+  if (rules.fixed_parts) return separation_legal_on_base(facts, direction_free);
   if (std::min(facts.a_parts, facts.b_parts) > rules.max_moved_parts) return false;
   if (rules.max_moved_mass != kInfinity &&
       !at_most(pieces.movement(facts).moved_mass, rules.max_moved_mass))
     return false;
-  return !rules.blocking || some_direction_free();
+  return direction_free || !rules.blocking || some_direction_free();
 }
 
 // The same where some parts are fixed.
-bool Expander::Scratch::separation_legal_on_base(const StepFacts& facts) {
+bool Expander::Scratch::separation_legal_on_base(const StepFacts& facts, bool direction_free) {
   if (rules.grounded && !leaves_grounded(facts)) return false;
   const bool limited = rules.max_moved_parts != detail::kUnlimited ||
                        rules.max_moved_mass != kInfinity || rules.blocking;
@@ -190,7 +190,7 @@ bool Expander::Scratch::separation_legal_on_base(const StepFacts& facts) {
   if (!movement.moves) return true;
   if (movement.moved_parts > rules.max_moved_parts) return false;
   if (!at_most(movement.moved_mass, rules.max_moved_mass)) return false;
-  return !rules.blocking || some_direction_free();
+  return direction_free || !rules.blocking || some_direction_free();
 }
 
 // Whether each subassembly that the step makes holds a base part.

@@ -384,10 +384,12 @@ class Expander {
   [[nodiscard]] double own_reward(ConnectionIndex connection);
   /// What removing `connection` earns beyond own_reward when it cuts a piece into `a`, which holds
   /// its first part, and `b`, without completing; nothing where max_moved_parts, max_moved_mass or
-  /// blocking forbid the cut. O(parts of the piece), or O(1) where only sizes matter.
+  /// blocking forbid the cut. With `direction_free` blocking is known to allow it. O(parts of the
+  /// piece), or O(1) where only sizes matter.
   [[nodiscard]] std::optional<double> cut_gain(std::span<const PartIndex> a,
                                                std::span<const PartIndex> b,
-                                               ConnectionIndex connection);
+                                               ConnectionIndex connection,
+                                               bool direction_free = false);
   /// The most that a cut gains into a smaller side of `moved` parts and a larger one of `kept`,
   /// whatever they are; infinite where that is not known. Exact where gain_by_sizes().
   [[nodiscard]] double greatest_gain(std::size_t moved, std::size_t kept);

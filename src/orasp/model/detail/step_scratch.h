@@ -134,8 +134,9 @@ struct Expander::Scratch {
   [[nodiscard]] std::span<const std::uint64_t> free_directions_of_few();
   [[nodiscard]] std::vector<DirectionIndex> free_directions_of_moved(
       const detail::StepFacts& facts);
-  [[nodiscard]] bool separation_legal(const detail::StepFacts& facts);
-  [[nodiscard]] bool separation_legal_on_base(const detail::StepFacts& facts);
+  // With `direction_free` blocking is known to allow the step.
+  [[nodiscard]] bool separation_legal(const detail::StepFacts& facts, bool direction_free = false);
+  [[nodiscard]] bool separation_legal_on_base(const detail::StepFacts& facts, bool direction_free);
   [[nodiscard]] bool leaves_grounded(const detail::StepFacts& facts) const;
   void set_elapsed(SetView open);
   [[nodiscard]] double reward(const detail::StepFacts& facts) const;

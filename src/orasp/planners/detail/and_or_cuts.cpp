@@ -10,15 +10,16 @@ double AndOrSearch<kWords>::list_cuts(const Set& piece, std::size_t parts, std::
   const double here = upper(piece, parts);
   double skipped = kInfinity;
   std::size_t largest = mark_wanted_sizes(parts, here + tree(piece), limit, skipped);
-  if (peeling_ && !along_forest_) largest = std::min(largest, kMostPeeled);
+  if (peeling_ && !links_.along_forest) largest = std::min(largest, kMostPeeled);
   if (largest == 0) return skipped;
   const auto offer = [&](const Set& side, std::size_t side_parts) {
     offer_cut(piece, parts, allowed, limit, here, side, side_parts, skipped);
   };
-  if (along_forest_) {
+  if (links_.along_forest) {
     piece.for_each([&](std::size_t part) {
-      if (parent_[part] == SpanningForest::kNoPart || !piece.contains(parent_[part])) return;
-      const Set side = below_[part] & piece;
+      if (links_.parent[part] == SpanningForest::kNoPart || !piece.contains(links_.parent[part]))
+        return;
+      const Set side = links_.below[part] & piece;
       const std::size_t side_parts = side.size();
       if (wanted_[std::min(side_parts, parts - side_parts)] != 0) offer(side, side_parts);
     });
@@ -59,7 +60,7 @@ void AndOrSearch<kWords>::offer_cut(const Set& piece, std::size_t parts, std::si
                                     std::size_t side_parts, double& skipped) {
   const Set rest = piece - side;
   const std::size_t rest_parts = parts - side_parts;
-  const std::optional<double> gain = gain_of(piece, side, rest, side_parts, rest_parts);
+  const std::optional<double> gain = lister_.gain(piece, side, rest, side_parts, rest_parts);
   if (!gain) return;
   const Set side_form = form_of(side, side_parts);
   const Set rest_form = form_of(rest, rest_parts);
@@ -105,28 +106,39 @@ void AndOrSearch<kWords>::list_sides(const Set& piece, std::size_t parts, std::s
     Set side;
     side.insert(root);
     Set mine = excluded;
-    grow(piece, parts, largest, side, 1, neighbours_[root] & (piece - mine), mine, lowest, offer);
+    const Set rest = piece - side;
+    grow(piece, parts, largest, side, 1, links_.neighbours[root] & (piece - mine), mine, lowest,
+         hangs_together_without(rest, root, true), offer);
     excluded.insert(root);
   });
 }
 
+/// Whether `rest` hangs together, which did or not (`before`) with one more part.
+template <std::size_t kWords>
+bool AndOrSearch<kWords>::hangs_together_without(const Set& rest, std::size_t part,
+                                                 bool before) const {
+  // A part with one neighbour holds nothing else together.
+  if (before && (links_.neighbours[part] & rest).size() <= 1) return true;
+  return flood(rest, rest.first()) == rest;
+}
+
 /// Lists the sides that hold all of `side` and further parts of `frontier`, but none of `excluded`.
+/// `whole`: whether the rest hangs together.
 template <std::size_t kWords>
 template <class Offer>
 void AndOrSearch<kWords>::grow(const Set& piece, std::size_t parts, std::size_t largest,
                                const Set& side, std::size_t side_parts, Set frontier, Set excluded,
-                               std::size_t lowest, Offer&& offer) {
+                               std::size_t lowest, bool whole, Offer&& offer) {
   if (must_stop()) return;
   if (++looks_ % 4096 == 0) poll();
   if (looks_ >= looks_end_at_) run_is_over_ = true;
-  // The rest must become connected: all but one of its components must still join the side, and
-  // those that hold an excluded part cannot.
   const Set rest = piece - side;
-  const Set component = flood(rest, rest.first());
-  if (component == rest) {
+  if (whole) {
     if (wanted_[side_parts] != 0 && (2 * side_parts != parts || side.contains(lowest)))
       offer(side, side_parts);
   } else {
+    // The rest must become connected: all but one of its components must still join the side, and
+    // those that hold an excluded part cannot.
     std::size_t with_excluded = 0;
     std::size_t biggest = 0;
     Set left = rest;
@@ -144,8 +156,9 @@ void AndOrSearch<kWords>::grow(const Set& piece, std::size_t parts, std::size_t 
   frontier.for_each([&](std::size_t part) {
     Set larger = side;
     larger.insert(part);
-    const Set next = (frontier | (neighbours_[part] & piece)) - larger - mine;
-    grow(piece, parts, largest, larger, side_parts + 1, next, mine, lowest, offer);
+    const Set next = (frontier | (links_.neighbours[part] & piece)) - larger - mine;
+    grow(piece, parts, largest, larger, side_parts + 1, next, mine, lowest,
+         hangs_together_without(piece - larger, part, whole), offer);
     mine.insert(part);
   });
 }
@@ -158,71 +171,11 @@ auto AndOrSearch<kWords>::flood(const Set& within, std::size_t start) const -> S
   Set front = reached;
   while (!front.empty()) {
     Set next;
-    front.for_each([&](std::size_t part) { next = next | neighbours_[part]; });
+    front.for_each([&](std::size_t part) { next = next | links_.neighbours[part]; });
     front = (next & within) - reached;
     reached = reached | front;
   }
   return reached;
-}
-
-/// What the cut of a piece into `side` and `rest` gains at best; empty where it cannot be legal.
-template <std::size_t kWords>
-std::optional<double> AndOrSearch<kWords>::gain_of(const Set& piece, const Set& side,
-                                                   const Set& rest, std::size_t side_parts,
-                                                   std::size_t rest_parts) {
-  if (!precedence_.empty() && !may_precede(side, rest)) return std::nullopt;
-  if (by_sizes_)
-    return gains_.gain(std::min(side_parts, rest_parts), std::max(side_parts, rest_parts));
-  list_parts(side, side_list_);
-  list_parts(rest, rest_list_);
-  std::optional<double> best;
-  const bool by_side = side_parts <= rest_parts;
-  for (const PartIndex part : by_side ? side_list_ : rest_list_) {
-    if ((neighbours_[part] & (by_side ? rest : side)).empty()) continue;
-    for (const auto& half : graph_.around(part)) {
-      if (!piece.contains(half.other) || side.contains(half.other) == side.contains(part)) continue;
-      const auto gain = listed_gain(side, half.connection);
-      if (!gain) return std::nullopt;
-      if (!best || *gain > *best) best = *gain;
-      if (!by_connection_) return best;
-    }
-  }
-  return best;
-}
-
-/// Whether precedence allows the cut. Before the last connection between the two sides goes, all
-/// that must precede it is gone, and each side must still hang together without that.
-template <std::size_t kWords>
-bool AndOrSearch<kWords>::may_precede(const Set& side, const Set& rest) {
-  gone_.assign(problem_.num_connections(), 0);
-  bool any = false;
-  side.for_each([&](std::size_t part) {
-    for (const auto& half : graph_.around(static_cast<PartIndex>(part))) {
-      if (!rest.contains(half.other)) continue;
-      for (const ConnectionIndex c : precedence_[half.connection]) {
-        gone_[c] = 1;
-        any = true;
-      }
-    }
-  });
-  if (!any) return true;
-  const auto hangs_together = [&](const Set& set) {
-    Set reached;
-    reached.insert(set.first());
-    std::vector<PartIndex>& queue = queue_;
-    queue.assign(1, static_cast<PartIndex>(set.first()));
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-      for (const auto& half : graph_.around(queue[i])) {
-        if (gone_[half.connection] != 0 || !set.contains(half.other) ||
-            reached.contains(half.other))
-          continue;
-        reached.insert(half.other);
-        queue.push_back(half.other);
-      }
-    }
-    return queue.size() == set.size();
-  };
-  return hangs_together(side) && hangs_together(rest);
 }
 
 template double AndOrSearch<1>::list_cuts(const Set&, std::size_t, std::size_t, double);

@@ -11,11 +11,24 @@ double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
   // A star has the most arms; where even that loses nothing, they need not be counted.
   const double of_star = gains_.by_arms(parts, parts - 1);
   if (std::isfinite(of_star) && here <= of_star) return 0;
+  // Nor where no part has so many neighbours that it could matter.
+  std::size_t neighbours = 1;
+  piece.for_each([&](std::size_t part) {
+    neighbours = std::max(neighbours, (links_.neighbours[part] & piece).size());
+  });
+  const Hubs at_most{neighbours, (parts - 1 + neighbours - 1) / neighbours};
+  const double enough = most_with(parts, at_most);
+  if (std::isfinite(enough) && here - enough - slack(scale_) <= 0) return 0;
   const Hubs found = graph_.is_forest() ? hubs_of_tree(piece, parts) : hubs(piece, parts);
-  double most = gains_.by_arms(parts, found.arms);
-  if (parts <= kMostPartsWithReach && 2 * found.reach < parts)
-    most = std::min(most, by_reach(parts, found.reach));
-  return std::max(0.0, here - most - slack(scale_));
+  return std::max(0.0, here - most_with(parts, found) - slack(scale_));
+}
+
+/// What the cuts of a piece gain at most that has such hubs.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::most_with(std::size_t parts, const Hubs& found) {
+  const double by_arms = gains_.by_arms(parts, found.arms);
+  if (parts > kMostPartsWithReach || 2 * found.reach >= parts) return by_arms;
+  return std::min(by_arms, by_reach(parts, found.reach));
 }
 
 /// The bound by sizes of a piece that has a part v without which no component has more than
@@ -44,12 +57,13 @@ template <std::size_t kWords>
 auto AndOrSearch<kWords>::hubs_of_tree(const Set& piece, std::size_t parts) -> Hubs {
   Hubs found{1, parts - 1};
   piece.for_each([&](std::size_t part) {
-    const Set around = neighbours_[part] & piece;
+    const Set around = links_.neighbours[part] & piece;
     found.arms = std::max(found.arms, around.size());
-    const std::size_t below = (below_[part] & piece).size();
+    const std::size_t below = (links_.below[part] & piece).size();
     std::size_t largest = parts - below;
     around.for_each([&](std::size_t other) {
-      if (parent_[other] == part) largest = std::max(largest, (below_[other] & piece).size());
+      if (links_.parent[other] == part)
+        largest = std::max(largest, (links_.below[other] & piece).size());
     });
     found.reach = std::min(found.reach, largest);
   });
@@ -64,18 +78,8 @@ auto AndOrSearch<kWords>::hubs(const Set& piece, std::size_t parts) -> Hubs {
   constexpr std::uint32_t kUnmet = 0;
   met_.assign(problem_.num_parts(), kUnmet);
   low_.resize(problem_.num_parts());
-  /// A part on the path; of the components that hang on it alone their number, the largest, and all
-  /// their parts; and the parts at and below it.
-  struct Frame {
-    PartIndex part;
-    PartIndex from;
-    std::uint32_t next;
-    std::size_t arms;
-    std::size_t largest;
-    std::size_t cut_off;
-    std::size_t below;
-  };
-  std::vector<Frame> path;
+  std::vector<HubFrame>& path = path_;
+  path.clear();
   std::uint32_t time = 0;
   const auto enter = [&](PartIndex part, PartIndex from) {
     met_[part] = low_[part] = ++time;
@@ -83,7 +87,7 @@ auto AndOrSearch<kWords>::hubs(const Set& piece, std::size_t parts) -> Hubs {
   };
   enter(static_cast<PartIndex>(piece.first()), SpanningForest::kNoPart);
   while (!path.empty()) {
-    Frame& frame = path.back();
+    HubFrame& frame = path.back();
     const auto around = graph_.around(frame.part);
     if (frame.next < around.size()) {
       const PartIndex other = around[frame.next++].other;
@@ -95,13 +99,13 @@ auto AndOrSearch<kWords>::hubs(const Set& piece, std::size_t parts) -> Hubs {
       }
       continue;
     }
-    const Frame done = frame;
+    const HubFrame done = frame;
     const std::size_t others = parts - 1 - done.cut_off;
     found.arms = std::max(found.arms, done.arms + (others > 0 ? 1 : 0));
     found.reach = std::min(found.reach, std::max(done.largest, others));
     path.pop_back();
     if (path.empty()) break;
-    Frame& above = path.back();
+    HubFrame& above = path.back();
     above.below += done.below;
     low_[above.part] = std::min(low_[above.part], low_[done.part]);
     if (low_[done.part] < met_[above.part]) continue;

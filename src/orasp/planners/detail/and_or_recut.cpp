@@ -44,7 +44,8 @@ std::optional<double> AndOrSearch<kWords>::loss_of_cut(const BoundedSet& piece,
   const std::size_t rest_parts = rest.set.size();
   if (std::min(side_parts, rest_parts) > gains_.most_moved()) return std::nullopt;
   ++looks_;
-  const std::optional<double> gain = gain_of(piece.set, side.set, rest.set, side_parts, rest_parts);
+  const std::optional<double> gain =
+      lister_.gain(piece.set, side.set, rest.set, side_parts, rest_parts);
   if (!gain) return std::nullopt;
   const double loss = piece.bound - *gain - side.bound - rest.bound;
   return std::isfinite(loss) ? std::optional(loss) : std::nullopt;
@@ -136,7 +137,7 @@ auto AndOrSearch<kWords>::cut_groups(const std::vector<CutNode>& nodes, const Wi
     const BoundedSet& piece = nodes[window.atoms[i]].piece;
     groups[std::size_t{1} << i] = {.piece = piece, .loss = 0};
     Set around;
-    piece.set.for_each([&](std::size_t part) { around = around | neighbours_[part]; });
+    piece.set.for_each([&](std::size_t part) { around = around | links_.neighbours[part]; });
     for (std::size_t k = 0; k < atoms; ++k) {
       if (k != i && !(around & nodes[window.atoms[k]].piece.set).empty()) beside[i] |= 1U << k;
     }

@@ -8,45 +8,18 @@ template <std::size_t kWords>
 AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t forest_seed,
                                  const Budget& budget, Result& result)
     : problem_(pieces.system.problem()),
-      expander_(pieces.system),
       gains_(pieces.gains),
-      trees_(pieces.gains.trees()),
+      lister_(pieces, forest_seed),
+      links_(lister_.links()),
       first_(pieces.first ? &*pieces.first : nullptr),
       graph_(pieces.graph),
-      along_forest_(forest_seed != 0 || pieces.graph.is_forest()),
       budget_(budget),
       allowed_bytes_(allowed_bytes(budget)),
       result_(result),
-      bounded_(pieces.gains.sizes_known() || pieces.gains.parts_known()),
-      by_sizes_(pieces.system.gain_by_sizes() && pieces.gains.sizes_known() &&
-                !problem_.limits().max_moved_mass && !problem_.limits().grounded &&
-                problem_.directions().empty()),
-      by_connection_(pieces.system.gain_by_connection()),
+      bounded_(lister_.bounded()),
       limited_(problem_.limits().max_subassemblies.has_value()),
       stores_(!limited_ && bounded_ && !pieces.system.gain_by_sizes()),
-      memo_(kWords + 1) {
-  const std::size_t parts = problem_.num_parts();
-  neighbours_.resize(parts);
-  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
-    const auto [u, v] = problem_.ends(c);
-    if (u == v) continue;
-    neighbours_[u].insert(v);
-    neighbours_[v].insert(u);
-  }
-  if (along_forest_) {
-    SpanningForest forest = random_spanning_forest(graph_, forest_seed);
-    parent_ = std::move(forest.parent);
-    below_.resize(parts);
-    for (std::size_t p = 0; p < parts; ++p) below_[p].insert(p);
-    for (std::size_t i = parts; i-- > 0;) {
-      const PartIndex part = forest.order[i];
-      if (parent_[part] != SpanningForest::kNoPart)
-        below_[parent_[part]] = below_[parent_[part]] | below_[part];
-    }
-  }
-  if (!along_forest_) sides_.emplace(problem_, neighbours_);
-  close_precedence();
-}
+      memo_(kWords + 1) {}
 
 /// The pieces of the problem, and how many subassemblies there may be.
 template <std::size_t kWords>
@@ -82,8 +55,10 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   std::vector<double> losses;
   for (const Set& piece : pieces_) {
     const double before = most;
-    const double loss =
-        solve(form(piece), allowed_, [&](double lower) { result_.bound = before - lower; });
+    // What loses more than the known plan is of no use.
+    const double useful_loss = before - known_reward_ - slack(before) / 2;
+    const double loss = solve(form(piece), allowed_, useful_loss,
+                              [&](double lower) { result_.bound = before - lower; });
     most -= loss;
     losses.push_back(loss);
     result_.bound = most;
@@ -96,39 +71,56 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   return result_.stop == Stop::None && !run_is_over_;
 }
 
-/// The loss of a piece, or the best lower bound on it that the run allows. The limit on the loss
-/// grows from the least that is possible (iterative deepening); `report` is told each lower bound.
+/// The loss of a piece, or the best lower bound on it that the run allows; or one above
+/// `useful_loss`. The limit on the loss grows from the least that is possible (iterative
+/// deepening), by steps that make each limit take about as long as all before it together; a run
+/// goes on with the limit at which the one before it had to end. `report` is told each lower bound.
+/// Reference: Sarkar, Chakrabarti, Ghose and De Sarkar (1991), Reducing reexpansions in iterative-
+/// deepening search by controlling cutoff bounds, Artificial Intelligence 50(2), 207-221.
 template <std::size_t kWords>
 template <class Report>
-double AndOrSearch<kWords>::solve(const Set& piece, std::size_t allowed, Report&& report) {
+double AndOrSearch<kWords>::solve(const Set& piece, std::size_t allowed, double useful_loss,
+                                  Report&& report) {
   const std::size_t parts = piece.size();
   const double scale = upper(piece, parts);
   scale_ = scale;
-  double limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity;
-  // Where cuts are kept, losses are as many different numbers as there are cuts.
-  double step = stores_ ? std::max(slack(scale), 1e-5 * std::abs(scale)) : slack(scale);
+  if (!(deepening_.piece == piece)) {
+    deepening_ = {.piece = piece,
+                  .limit = bounded_ ? known_loss(piece, parts, allowed) + slack(scale) : kInfinity,
+                  // Where cuts are kept, losses are as many different numbers as there are cuts.
+                  .step = stores_ ? std::max(slack(scale), 1e-5 * std::abs(scale)) : slack(scale),
+                  .patience = 64 * parts};
+  }
   // The search goes into depth first. One wrong choice high up makes it try every way to fail
   // further down. So each try ends after a while, and the next one takes equal cuts in another
   // order; what was proved stays.
-  std::uint64_t patience = 64 * parts;
-  salt_ = 0;
+  Deepening& now = deepening_;
   while (true) {
+    now.limit = std::min(now.limit, useful_loss);
+    salt_ = now.salt;
     try_is_over_ = false;
-    try_ends_at_ = result_.statistics.expanded + patience;
-    const double loss = search(piece, parts, allowed, limit);
+    try_ends_at_ = result_.statistics.expanded + now.patience;
+    const double loss = search(piece, parts, allowed, now.limit);
     if (try_is_over_ && result_.stop == Stop::None && !run_is_over_) {
-      patience *= 2;
-      ++salt_;
+      now.patience *= 2;
+      ++now.salt;
       continue;
     }
     if (result_.stop != Stop::None || run_is_over_) {
       report(loss);
       return loss;
     }
-    if (loss <= limit || loss == kInfinity) return loss;
+    if (loss <= now.limit || loss == kInfinity || loss > useful_loss) return loss;
     report(loss);
-    step *= 2;
-    limit = std::max(loss, limit + step) + slack(scale);
+    const std::uint64_t before = now.expanded;
+    now.expanded = result_.statistics.expanded;
+    const std::uint64_t taken = now.expanded - before;
+    if (taken <= before) {
+      now.step *= 2;
+    } else if (taken > 4 * before) {
+      now.step /= 2;
+    }
+    now.limit = std::max(loss, now.limit + now.step) + slack(scale);
   }
 }
 
@@ -253,32 +245,6 @@ std::pair<double, bool> AndOrSearch<kWords>::loss_with(const Cut& cut,
     solved = other_loss <= other_limit;
   }
   return {cut.own_loss + one_loss + other_loss, solved};
-}
-
-/// Fills precedence_: what must be gone before each connection, directly or through others.
-template <std::size_t kWords>
-void AndOrSearch<kWords>::close_precedence() {
-  if (problem_.precedence().empty()) return;
-  const std::size_t connections = problem_.num_connections();
-  std::vector<std::vector<ConnectionIndex>> direct(connections);
-  for (const PrecedenceClause& clause : problem_.precedence()) {
-    direct[clause.connection].insert(direct[clause.connection].end(), clause.after.begin(),
-                                     clause.after.end());
-  }
-  precedence_.resize(connections);
-  std::vector<unsigned char> seen(connections);
-  for (ConnectionIndex c = 0; c < connections; ++c) {
-    std::ranges::fill(seen, 0);
-    std::vector<ConnectionIndex>& all = precedence_[c];
-    all = direct[c];
-    for (const ConnectionIndex other : all) seen[other] = 1;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      for (const ConnectionIndex other : direct[all[i]]) {
-        if (seen[other] == 0) all.push_back(other);
-        seen[other] = 1;
-      }
-    }
-  }
 }
 
 template <std::size_t kWords>

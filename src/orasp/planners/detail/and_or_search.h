@@ -17,46 +17,18 @@
 #include "orasp/bounds/piece_gains.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
-#include "orasp/model/detail/connectivity.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
+#include "orasp/planners/detail/cut_lister.h"
 #include "orasp/planners/detail/part_set.h"
-#include "orasp/planners/detail/side_lister.h"
+#include "orasp/planners/detail/piece_problem.h"
 #include "orasp/planners/detail/spanning_forest.h"
 #include "orasp/symmetry/orbit_form.h"
 #include "orasp/task/budget.h"
 #include "orasp/task/result.h"
 
 namespace orasp::detail {
-
-/// Where the first step completes (TransitionSystem::completes_first): the legal first steps, and
-/// how much more each earns because it completes.
-struct FirstSteps {
-  struct Cut {
-    ConnectionIndex connection;
-    double surplus;
-    double gain;               ///< of the cut itself
-    std::vector<PartIndex> a;  ///< the side of its first part
-  };
-  double most = -kInfinity;  ///< the greatest surplus of all
-  /// Of the steps that separate nothing: the greatest surplus, and those that have it.
-  double most_without_cut = -kInfinity;
-  std::vector<ConnectionIndex> without_cut;
-  std::vector<Cut> cuts;
-};
-
-/// What all searches of one problem share; none of them changes it.
-struct PieceProblem {
-  /// With `the_gains` of the system, or null where they are not known yet.
-  PieceProblem(const TransitionSystem& the_system, std::shared_ptr<const PieceGains> the_gains);
-
-  const TransitionSystem& system;
-  std::shared_ptr<const PieceGains> shared_gains;
-  const PieceGains& gains;
-  AssemblyGraph graph;
-  std::optional<FirstSteps> first;
-};
 
 /// The search of and_or() (planners/and_or.h): the least loss of a piece over all trees of cuts.
 /// kWords words hold a set of all parts.
@@ -167,6 +139,16 @@ class AndOrSearch {
     double limit;
     double skipped;
   };
+  /// How far solve() has come with a piece: the limit on its loss, by how much that grew last, and
+  /// after how many expansions a try at it ends, the salt_-th.
+  struct Deepening {
+    Set piece;
+    double limit = 0;
+    double step = 0;
+    std::uint64_t patience = 0;
+    std::uint64_t salt = 0;
+    std::uint64_t expanded = 0;  ///< when the limit grew last
+  };
   /// What peel() has left of a piece, and how it came to it.
   struct Remainder {
     Set piece;
@@ -207,7 +189,7 @@ class AndOrSearch {
   // and_or_search.cpp
   void find_pieces();
   template <class Report>
-  double solve(const Set& piece, std::size_t allowed, Report&& report);
+  double solve(const Set& piece, std::size_t allowed, double useful_loss, Report&& report);
   double search(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   std::pair<double, double> least_listed_loss(const Set& piece, std::size_t parts,
                                               std::size_t allowed, double limit);
@@ -217,7 +199,6 @@ class AndOrSearch {
                                        double limit, std::size_t begin, double skipped);
   std::pair<double, bool> loss_with(const Cut& cut, const std::array<Half, 2>& halves,
                                     double limit);
-  void close_precedence();
   void poll();
 
   // and_or_hubs.cpp
@@ -227,7 +208,19 @@ class AndOrSearch {
     std::size_t arms;
     std::size_t reach;
   };
+  /// A part on the path of hubs(); of the components that hang on it alone their number, the
+  /// largest, and all their parts; and the parts at and below it.
+  struct HubFrame {
+    PartIndex part;
+    PartIndex from;
+    std::uint32_t next;
+    std::size_t arms;
+    std::size_t largest;
+    std::size_t cut_off;
+    std::size_t below;
+  };
   static constexpr std::size_t kMostPartsWithReach = 512;
+  double most_with(std::size_t parts, const Hubs& found);
   double first_loss(const Set& piece, std::size_t parts);
   double by_reach(std::size_t parts, std::size_t reach);
   Hubs hubs(const Set& piece, std::size_t parts);
@@ -235,10 +228,10 @@ class AndOrSearch {
 
   // and_or_stored.cpp
   std::uint32_t node_of(const Set& set, std::size_t parts);
+  std::uint32_t node_of(const Set& set, std::uint64_t hash, double bound);
+  void keep_listed();
   double search_stored(std::uint32_t number, double limit);
   bool store_cuts(std::uint32_t number, double limit);
-  void store_cut(const Set& piece, double here, const Set& side, const Set& rest, double limit,
-                 double& skipped);
   std::pair<double, double> least_stored_loss(std::uint32_t number, double limit);
   [[nodiscard]] std::optional<Cut> next_stored_cut(const Set& piece, std::size_t parts, bool dive);
   [[nodiscard]] Set set_of(std::uint32_t number) const {
@@ -259,11 +252,10 @@ class AndOrSearch {
   void list_sides(const Set& piece, std::size_t parts, std::size_t largest, Offer&& offer);
   template <class Offer>
   void grow(const Set& piece, std::size_t parts, std::size_t largest, const Set& side,
-            std::size_t side_parts, Set frontier, Set excluded, std::size_t lowest, Offer&& offer);
+            std::size_t side_parts, Set frontier, Set excluded, std::size_t lowest, bool whole,
+            Offer&& offer);
+  [[nodiscard]] bool hangs_together_without(const Set& rest, std::size_t part, bool before) const;
   [[nodiscard]] Set flood(const Set& within, std::size_t start) const;
-  std::optional<double> gain_of(const Set& piece, const Set& side, const Set& rest,
-                                std::size_t side_parts, std::size_t rest_parts);
-  bool may_precede(const Set& side, const Set& rest);
 
   // and_or_peel.cpp
   bool peel_piece(const Set& root, std::size_t width);
@@ -319,34 +311,11 @@ class AndOrSearch {
                                             const std::vector<ConnectionIndex>& crossing);
   bool take_cut(const Cut& cut, const Set& rest, Steps& steps);
 
-  static void list_parts(const Set& set, std::vector<PartIndex>& list) {
-    list.clear();
-    set.for_each([&](std::size_t part) { list.push_back(static_cast<PartIndex>(part)); });
-  }
-  /// What `connection` gains as the last between `side` and the rest. The parts of the two must
-  /// stand in side_list_ and rest_list_.
-  [[nodiscard]] std::optional<double> listed_gain(const Set& side, ConnectionIndex connection) {
-    return side.contains(problem_.ends(connection)[0])
-               ? expander_.cut_gain(side_list_, rest_list_, connection)
-               : expander_.cut_gain(rest_list_, side_list_, connection);
-  }
-
-  /// The bound g of a piece.
+  /// The bound g of a piece, and what it counts for the connections at which the piece is cut.
   [[nodiscard]] double upper(const Set& set, std::size_t parts) {
-    if (!bounded_) return 0;
-    double bound = gains_.sizes_known() ? gains_.by_size(parts) : kInfinity;
-    if (gains_.parts_known()) {
-      list_parts(set, upper_list_);
-      bound = std::min(bound, gains_.by_parts(upper_list_));
-    }
-    return bound - tree(set);
+    return lister_.upper(set, parts);
   }
-  /// What the bound of a piece counts for the connections at which it is cut.
-  [[nodiscard]] double tree(const Set& set) {
-    if (!trees_.any()) return 0;
-    list_parts(set, upper_list_);
-    return trees_.of_parts(upper_list_);
-  }
+  [[nodiscard]] double tree(const Set& set) { return lister_.tree(set); }
 
   /// How many of the subassemblies that are allowed a piece can make use of: n parts never need
   /// more than floor(log2 n) at a time.
@@ -427,39 +396,24 @@ class AndOrSearch {
   }
 
   const Problem& problem_;
-  Expander expander_;
   const PieceGains& gains_;
-  CutTrees trees_;
+  CutLister<kWords> lister_;
+  const PartLinks<kWords>& links_;
   /// Null where the last step completes.
   const FirstSteps* first_;
   const AssemblyGraph& graph_;
-  bool along_forest_;
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
   Result& result_;
   /// Whether some bound on what a piece gains is known. Where none is, losses are counted from 0
   /// and may be negative.
   bool bounded_;
-  /// Whether what a cut gains depends on the sizes of its sides alone.
-  bool by_sizes_;
-  /// Whether what a cut gains depends on which of the connections between its sides goes last.
-  bool by_connection_;
   /// Whether max_subassemblies is stated.
   bool limited_;
 
   /// Whether the cuts of a piece are listed once and kept: where sizes tell little of what a cut
   /// gains, all cuts are looked at anyway.
   bool stores_;
-
-  /// The parts that each part is connected to.
-  std::vector<Set> neighbours_;
-  /// The ways to part a piece; nothing where only the cuts along a forest are looked at.
-  std::optional<SideLister<kWords>> sides_;
-  /// Along a forest: the part above each part, and the set of parts at and below it.
-  std::vector<std::uint32_t> parent_;
-  std::vector<Set> below_;
-  /// All connections that must be gone before each connection; empty where no precedence is stated.
-  std::vector<std::vector<ConnectionIndex>> precedence_;
 
   /// The memory of the search: a set of parts with the subassemblies allowed to it; its loss, or a
   /// lower bound on it; and which of the two.
@@ -470,6 +424,9 @@ class AndOrSearch {
   GrowingArray<double> upper_;
   GrowingArray<StoredCuts> lists_;
   GrowingArray<StoredCut> stored_;
+  /// The cuts of the piece that is being listed, and the hashes of their sides.
+  typename CutLister<kWords>::List listed_;
+  std::vector<std::uint64_t> hashes_;
   /// The kept cuts of the pieces that are being searched by their estimates, those of the innermost
   /// piece last.
   std::vector<std::pair<double, std::uint64_t>> promising_;
@@ -489,12 +446,11 @@ class AndOrSearch {
   std::vector<PartIndex> queue_;
   std::vector<std::uint32_t> met_;
   std::vector<std::uint32_t> low_;
+  std::vector<HubFrame> path_;
   /// by_reach(), by reach and parts, as far as it was asked for.
   std::vector<std::vector<double>> by_reach_;
-  std::vector<PartIndex> upper_list_;
-  std::vector<PartIndex> side_list_;
-  std::vector<PartIndex> rest_list_;
 
+  Deepening deepening_;
   /// The bound of the piece that solve() is at: rounding errors are measured by its size.
   double scale_ = 0;
   /// How many sides of cuts were looked at, and how often pieces whose cuts are kept.

@@ -38,7 +38,7 @@ auto AndOrSearch<kWords>::next_cut(const Set& piece, std::size_t parts, std::siz
 template <std::size_t kWords>
 bool AndOrSearch<kWords>::take(ConnectionIndex connection, Steps& steps) {
   if (!steps.open.contains(connection)) return true;
-  if (!expander_.legal(steps.open.view(), connection)) return false;
+  if (!lister_.expander().legal(steps.open.view(), connection)) return false;
   steps.open.erase(connection);
   steps.taken.push_back(connection);
   return true;
@@ -54,9 +54,9 @@ void AndOrSearch<kWords>::take_loops(Steps& steps) {
   }
   double best_last = -kInfinity;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c)
-    best_last = std::max(best_last, expander_.completion_surplus(c));
+    best_last = std::max(best_last, lister_.expander().completion_surplus(c));
   for (const ConnectionIndex c : graph_.loops()) {
-    if (expander_.completion_surplus(c) < best_last) static_cast<void>(take(c, steps));
+    if (lister_.expander().completion_surplus(c) < best_last) static_cast<void>(take(c, steps));
   }
 }
 
@@ -67,18 +67,14 @@ ConnectionIndex AndOrSearch<kWords>::last_of_cut(const Cut& cut, const Set& rest
                                                  const Steps& steps,
                                                  const std::vector<ConnectionIndex>& crossing) {
   ConnectionIndex last = kNone;
-  if (!by_connection_) return last;
+  if (!lister_.by_connection()) return last;
   double best = -kInfinity;
-  list_parts(cut.side, side_list_);
-  list_parts(rest, rest_list_);
-  for (const ConnectionIndex c : crossing) {
-    if (!steps.open.contains(c)) continue;
-    const auto gain = listed_gain(cut.side, c);
-    if (gain && *gain > best) {
-      best = *gain;
-      last = c;
-    }
-  }
+  lister_.gains_as_last(cut.side, rest, crossing,
+                        [&](ConnectionIndex c, const std::optional<double>& gain) {
+                          if (!steps.open.contains(c) || !gain || *gain <= best) return;
+                          best = *gain;
+                          last = c;
+                        });
   return last;
 }
 
@@ -116,10 +112,10 @@ bool AndOrSearch<kWords>::take_cut(const Cut& cut, const Set& rest, Steps& steps
     }
   }
   const ConnectionIndex last = last_of_cut(cut, rest, steps, needed);
-  if (!precedence_.empty()) {
+  if (!links_.precedence.empty()) {
     const std::size_t crossing = needed.size();
     for (std::size_t i = 0; i < crossing; ++i) {
-      for (const ConnectionIndex c : precedence_[needed[i]]) {
+      for (const ConnectionIndex c : links_.precedence[needed[i]]) {
         if (gone_[c] == 0) needed.push_back(c);
         gone_[c] = 1;
       }

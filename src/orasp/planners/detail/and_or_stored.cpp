@@ -2,17 +2,23 @@
 
 namespace orasp::detail {
 
-/// More sides of one piece than this are not kept.
-constexpr std::uint64_t kMostSidesKept = 20'000;
-
 /// The number of a piece in memo_, where cuts are kept; it comes in where it is not there.
 template <std::size_t kWords>
 std::uint32_t AndOrSearch<kWords>::node_of(const Set& set, std::size_t parts) {
-  const auto [number, is_new] = memo_.insert(key(set, 0).data());
+  const std::uint64_t hash = memo_.hash(key(set, 0).data());
+  const std::uint32_t number = memo_.find(key(set, 0).data(), hash);
+  return number == StateTable<kWords + 1>::kAbsent ? node_of(set, hash, upper(set, parts)) : number;
+}
+
+/// The same where its hash and its bound are known.
+template <std::size_t kWords>
+std::uint32_t AndOrSearch<kWords>::node_of(const Set& set, std::uint64_t hash, double bound) {
+  const auto [number, is_new] = memo_.insert(key(set, 0).data(), hash);
   if (is_new) {
-    loss_.push_back(parts == 1 ? 0 : unknown_loss());
-    exact_.push_back(parts == 1 ? 1 : 0);
-    upper_.push_back(upper(set, parts));
+    const bool single = set.size() == 1;
+    loss_.push_back(single ? 0 : unknown_loss());
+    exact_.push_back(single ? 1 : 0);
+    upper_.push_back(bound);
     lists_.push_back({});
   }
   return number;
@@ -41,63 +47,50 @@ double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
 template <std::size_t kWords>
 bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
   const Set piece = set_of(number);
-  const std::size_t parts = piece.size();
-  if (!lists_[number].kept) loss_[number] = std::max(loss_[number], first_loss(piece, parts));
+  if (!lists_[number].kept)
+    loss_[number] = std::max(loss_[number], first_loss(piece, piece.size()));
   ++result_.statistics.expanded;
   if (result_.statistics.expanded % 256 == 0) poll();
   if (result_.statistics.expanded >= run_ends_at_) run_is_over_ = true;
+  if (must_stop()) return false;
   const double most = std::max(limit, most_loss_);
-  const std::uint64_t begin = stored_.size();
-  const std::uint64_t looks_before = looks_;
-  double skipped = kInfinity;
-  const auto stop = [&] {
-    if (++looks_ % 4096 == 0) poll();
-    if (looks_ >= looks_end_at_) run_is_over_ = true;
-    return must_stop() || looks_ - looks_before > kMostSidesKept;
-  };
-  if (along_forest_) {
-    piece.for_each([&](std::size_t part) {
-      if (parent_[part] == SpanningForest::kNoPart || !piece.contains(parent_[part])) return;
-      const Set side = below_[part] & piece;
-      store_cut(piece, upper_[number], side, piece - side, most, skipped);
-    });
-  } else {
-    sides_->list(
-        piece,
-        [&](const Set& side, const Set& rest) {
-          store_cut(piece, upper_[number], side, rest, most, skipped);
-        },
-        stop);
-  }
+  lister_.list(piece, upper_[number], most, listed_, [&] {
+    poll();
+    return must_stop();
+  });
+  looks_ += listed_.looks;
+  if (looks_ >= looks_end_at_) run_is_over_ = true;
   const bool room = (stored_.size() + memo_.size()) * sizeof(StoredCut) < allowed_bytes_ / 4;
-  if (must_stop() || looks_ - looks_before > kMostSidesKept || !room) {
-    stored_.resize(begin);
+  if (must_stop() || !listed_.complete || !room) {
     lists_[number].too_many = !must_stop();
     return false;
   }
-  lists_[number] = {begin,  static_cast<std::uint32_t>(stored_.size() - begin), true, false, most,
-                    skipped};
+  const std::uint64_t begin = stored_.size();
+  keep_listed();
+  lists_[number] = {begin, static_cast<std::uint32_t>(stored_.size() - begin),
+                    true,  false,
+                    most,  listed_.skipped};
   return true;
 }
 
-/// Keeps the cut of `piece` into `side` and `rest` if it is legal and loses at most `limit` itself.
-/// `here` is the bound of the piece.
+/// Keeps the cuts of listed_.
 template <std::size_t kWords>
-void AndOrSearch<kWords>::store_cut(const Set& piece, double here, const Set& side, const Set& rest,
-                                    double limit, double& skipped) {
-  const std::size_t side_parts = side.size();
-  const std::size_t rest_parts = rest.size();
-  if (std::min(side_parts, rest_parts) > gains_.most_moved()) return;
-  const std::optional<double> gain = gain_of(piece, side, rest, side_parts, rest_parts);
-  if (!gain) return;
-  const std::uint32_t side_number = node_of(side, side_parts);
-  const std::uint32_t rest_number = node_of(rest, rest_parts);
-  const double own = here - *gain - upper_[side_number] - upper_[rest_number];
-  if (own > limit) {
-    skipped = std::min(skipped, own);
-    return;
+void AndOrSearch<kWords>::keep_listed() {
+  // The places of all sides in the table are asked for before the first is needed: each is far from
+  // the others in memory.
+  hashes_.clear();
+  for (const auto& cut : listed_.cuts) {
+    for (const Set& set : {cut.side, cut.rest}) {
+      hashes_.push_back(memo_.hash(key(set, 0).data()));
+      memo_.prefetch(hashes_.back());
+    }
   }
-  stored_.push_back({side_number, rest_number, own});
+  const std::uint64_t* hash = hashes_.data();
+  for (const auto& cut : listed_.cuts) {
+    const std::uint32_t side = node_of(cut.side, *hash++, cut.side_bound);
+    const std::uint32_t rest = node_of(cut.rest, *hash++, cut.rest_bound);
+    stored_.push_back({side, rest, cut.own_loss});
+  }
 }
 
 /// As least_loss(), for a piece whose cuts are kept.
@@ -112,7 +105,14 @@ std::pair<double, double> AndOrSearch<kWords>::least_stored_loss(std::uint32_t n
   const std::size_t begin = promising_.size();
   double best = kInfinity;
   double next = list.skipped;
-  for (std::uint64_t i = list.begin; i < list.begin + list.size; ++i) {
+  const std::uint64_t list_end = list.begin + list.size;
+  for (std::uint64_t i = list.begin; i < list_end; ++i) {
+    // What the sides of a cut lose is far from one another in memory.
+    constexpr std::uint64_t kAhead = 8;
+    if (i + kAhead < list_end) {
+      __builtin_prefetch(&loss_[stored_[i + kAhead].side]);
+      __builtin_prefetch(&loss_[stored_[i + kAhead].rest]);
+    }
     const double least = estimate(stored_[i]);
     if (least <= limit) {
       promising_.emplace_back(least, i);

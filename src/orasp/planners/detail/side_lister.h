@@ -51,13 +51,19 @@ class SideLister {
     }
   }
 
+  /// Whether list() looks at blocking for this piece: of each two sides one then leaves the other
+  /// along some direction.
+  [[nodiscard]] bool sees_blocking(const Set& piece) const {
+    return !directions_.empty() && (piece & base_).size() <= 1;
+  }
+
   /// Calls offer(a, b) for each way to part `piece`, which is connected, until stop() says so.
   template <class Offer, class Stop>
   void list(const Set& piece, Offer&& offer, Stop&& stop) const {
     Set first;
     first.insert(piece.first());
-    if (directions_.empty() || (piece & base_).size() > 1) {
-      walk(piece, kAnyDirection, first, {}, offer, stop);
+    if (!sees_blocking(piece)) {
+      walk(piece, kAnyDirection, {}, first, {}, offer, stop);
       return;
     }
     for (std::size_t i = 0; i < directions_.size(); ++i) {
@@ -67,7 +73,7 @@ class SideLister {
         }
         offer(a, b);
       };
-      walk(piece, directions_[i], first, {}, once, stop);
+      walk(piece, directions_[i], {}, first, {}, once, stop);
     }
   }
 
@@ -102,10 +108,13 @@ class SideLister {
     return reached;
   }
 
-  /// All of `piece` that goes along with `set` where what blocks it along `direction` must.
-  [[nodiscard]] Set closed(const Set& piece, std::size_t direction, Set set) const {
-    if (direction == kAnyDirection) return set;
+  /// All of `piece` that goes along with `set` where what blocks it along `direction` must; `with`
+  /// is all that goes along with itself.
+  [[nodiscard]] Set closed(const Set& piece, std::size_t direction, Set set,
+                           const Set& with) const {
+    if (direction == kAnyDirection) return set | with;
     Set front = set;
+    set = set | with;
     while (!front.empty()) {
       Set next;
       front.for_each([&](std::size_t part) { next = next | along_[direction][part]; });
@@ -115,10 +124,12 @@ class SideLister {
     return set;
   }
 
-  /// Adds to `a` all that follows from what is in `a` and in `b`. False if that cannot be.
-  [[nodiscard]] bool settle(const Set& piece, std::size_t direction, Set& a, const Set& b) const {
+  /// Adds to `a` `more` and all that follows from what is then in `a` and in `b`. False if that
+  /// cannot be.
+  [[nodiscard]] bool settle(const Set& piece, std::size_t direction, Set& a, Set more,
+                            const Set& b) const {
     while (true) {
-      a = closed(piece, direction, a);
+      a = closed(piece, direction, more, a);
       if (!(a & b).empty()) return false;
       if (b.empty()) return true;
       const Set rest = piece - a;
@@ -126,15 +137,16 @@ class SideLister {
       const Set with_b = flood(rest, b.first(), around);
       if (!(b - with_b).empty()) return false;
       if (with_b == rest) return true;
-      a = a | (rest - with_b);
+      more = rest - with_b;
     }
   }
 
+  /// Lists the ways with `a`, `more` and whatever follows on one side and `b` on the other.
   template <class Offer, class Stop>
-  void walk(const Set& piece, std::size_t direction, Set a, Set b, Offer&& offer,
+  void walk(const Set& piece, std::size_t direction, Set a, Set more, Set b, Offer&& offer,
             Stop&& stop) const {
-    while (!stop()) {
-      if (!settle(piece, direction, a, b)) return;
+    for (; !stop(); more = {}) {
+      if (!settle(piece, direction, a, more, b)) return;
       const Set rest = piece - a;
       if (rest.empty()) return;
       Set around;
@@ -147,9 +159,9 @@ class SideLister {
       }
       Set next;
       next.insert(open.first());
-      walk(piece, direction, a | next, b, offer, stop);
+      walk(piece, direction, a, next, b, offer, stop);
       const std::size_t back = direction == kAnyDirection ? direction : opposite(direction);
-      b = b | closed(piece, back, next);
+      b = closed(piece, back, next, b);
     }
   }
 

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "orasp/bounds/piece_gains.h"
+#include "orasp/model/detail/connectivity.h"
+#include "orasp/model/transition_system.h"
+
+namespace orasp::detail {
+
+/// Where the first step completes (TransitionSystem::completes_first): the legal first steps, and
+/// how much more each earns because it completes.
+struct FirstSteps {
+  struct Cut {
+    ConnectionIndex connection;
+    double surplus;
+    double gain;               ///< of the cut itself
+    std::vector<PartIndex> a;  ///< the side of its first part
+  };
+  double most = -kInfinity;  ///< the greatest surplus of all
+  /// Of the steps that separate nothing: the greatest surplus, and those that have it.
+  double most_without_cut = -kInfinity;
+  std::vector<ConnectionIndex> without_cut;
+  std::vector<Cut> cuts;
+};
+
+/// What all searches of one problem share; none of them changes it.
+struct PieceProblem {
+  /// With `the_gains` of the system, or null where they are not known yet.
+  PieceProblem(const TransitionSystem& the_system, std::shared_ptr<const PieceGains> the_gains);
+
+  const TransitionSystem& system;
+  std::shared_ptr<const PieceGains> shared_gains;
+  const PieceGains& gains;
+  AssemblyGraph graph;
+  std::optional<FirstSteps> first;
+};
+
+}  // namespace orasp::detail
