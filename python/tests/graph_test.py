@@ -1,12 +1,10 @@
 """H as arrays."""
 import gc
-import json
-import time
 import unittest
 
 import numpy as np
 import orasp
-from program import random_problem, run
+from program import random_problem
 
 
 try:
@@ -143,18 +141,11 @@ class OwnAlgorithms(unittest.TestCase):
 
 
 class Cost(unittest.TestCase):
-    def test_arrays_take_as_long_as_h(self):
-        """H as arrays takes at most 1.3 times what the program takes for H and its size."""
-        here, there = [], []
-        for _ in range(5):
-            began = time.perf_counter()
-            h = orasp.graph("hubble-free")
-            arrays = (h.states, h.row_offsets, h.successors, h.connections, h.reward_numbers, h.reward_table)
-            self.assertEqual(len(arrays), 6)
-            here.append(time.perf_counter() - began)
-            there.append(json.loads(run("graph", "hubble-free", "--json")[1])["seconds"])
-        print(f"hubble-free: {min(here):.3f} s for arrays, {min(there):.3f} s for `orasp graph`")
-        self.assertLess(min(here), 1.3 * min(there))
+    def test_arrays_are_no_copies(self):
+        """What `orasp graph` holds is what the arrays show: see benchmarks/python_costs.py for the time."""
+        h = orasp.graph("hubble-free")
+        for array in (h.states, h.row_offsets, h.successors, h.connections, h.reward_numbers, h.reward_table):
+            self.assertFalse(array.flags.owndata)
 
     def test_limits(self):
         h = orasp.graph("hubble-free", time_limit=1e-4)
