@@ -187,7 +187,7 @@ TEST(CutLister, ListsTheCutsWithinALimitWithWhatTheyLose) {
       const std::vector<Set> neighbours = neighbours_in(problem);
       detail::CutLister<1> lister(pieces, 0);
       if (lister.links().along_forest) continue;
-      detail::CutLister<1> other(lister);
+      detail::CutLister<1> other(pieces, 0);
       detail::CutLister<1>::List list;
       for (std::uint64_t bits = 1; bits < std::uint64_t{1} << kPartsOfLocked; ++bits) {
         const Set piece{{bits}};

@@ -1,7 +1,5 @@
 #include "orasp/planners/detail/cut_lister.h"
 
-#include <tuple>
-
 #include "orasp/model/detail/connectivity.h"
 
 namespace orasp::detail {
@@ -63,7 +61,7 @@ template <std::size_t kWords>
 CutLister<kWords>::CutLister(const PieceProblem& pieces, std::uint64_t forest_seed)
     : pieces_(pieces),
       problem_(pieces.system.problem()),
-      links_(std::make_shared<const Links>(pieces, forest_seed)),
+      links_(pieces, forest_seed),
       expander_(pieces.system),
       trees_(pieces.gains.trees()),
       bounded_(pieces.gains.sizes_known() || pieces.gains.parts_known()),
@@ -71,17 +69,6 @@ CutLister<kWords>::CutLister(const PieceProblem& pieces, std::uint64_t forest_se
                 !problem_.limits().max_moved_mass && !problem_.limits().grounded &&
                 problem_.directions().empty()),
       by_connection_(pieces.system.gain_by_connection()) {}
-
-template <std::size_t kWords>
-CutLister<kWords>::CutLister(const CutLister& other)
-    : pieces_(other.pieces_),
-      problem_(other.problem_),
-      links_(other.links_),
-      expander_(other.pieces_.system),
-      trees_(other.pieces_.gains.trees()),
-      bounded_(other.bounded_),
-      by_sizes_(other.by_sizes_),
-      by_connection_(other.by_connection_) {}
 
 template <std::size_t kWords>
 double CutLister<kWords>::upper(const Set& set, std::size_t parts) {
@@ -126,7 +113,7 @@ template <std::size_t kWords>
 std::optional<double> CutLister<kWords>::gain(const Set& piece, const Set& side, const Set& rest,
                                               std::size_t side_parts, std::size_t rest_parts,
                                               bool free) {
-  if (!links_->precedence.empty() && !may_precede(side, rest)) return std::nullopt;
+  if (!links_.precedence.empty() && !may_precede(side, rest)) return std::nullopt;
   if (by_sizes_)
     return pieces_.gains.gain(std::min(side_parts, rest_parts), std::max(side_parts, rest_parts));
   list_parts(side, side_list_);
@@ -134,7 +121,7 @@ std::optional<double> CutLister<kWords>::gain(const Set& piece, const Set& side,
   std::optional<double> best;
   const bool by_side = side_parts <= rest_parts;
   for (const PartIndex part : by_side ? side_list_ : rest_list_) {
-    if ((links_->neighbours[part] & (by_side ? rest : side)).empty()) continue;
+    if ((links_.neighbours[part] & (by_side ? rest : side)).empty()) continue;
     for (const auto& half : pieces_.graph.around(part)) {
       if (!piece.contains(half.other) || side.contains(half.other) == side.contains(part)) continue;
       const auto gain = listed_gain(side, half.connection, free);
@@ -155,7 +142,7 @@ bool CutLister<kWords>::may_precede(const Set& side, const Set& rest) {
   side.for_each([&](std::size_t part) {
     for (const auto& half : pieces_.graph.around(static_cast<PartIndex>(part))) {
       if (!rest.contains(half.other)) continue;
-      for (const ConnectionIndex c : links_->precedence[half.connection]) {
+      for (const ConnectionIndex c : links_.precedence[half.connection]) {
         gone_[c] = 1;
         any = true;
       }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,7 +17,7 @@
 
 namespace orasp::detail {
 
-/// How the parts of a problem hang together, as sets; immutable, and shared by all threads.
+/// How the parts of a problem hang together, as sets. Immutable.
 template <std::size_t kWords>
 struct PartLinks {
   using Set = PartSet<kWords>;
@@ -47,6 +46,10 @@ struct PartLinks {
 
 /// The cuts of pieces: which of them are legal, what each gains, and the bounds of pieces. All of
 /// it depends on the piece alone. Holds scratch memory: for one thread.
+///
+/// Cost.       list(): a cut takes what SideLister does for it and O(parts of the piece), some
+///             tenths of a microsecond for twenty parts. Bounds of sides are remembered, the last
+///             ones asked for.
 template <std::size_t kWords>
 class CutLister {
  public:
@@ -54,12 +57,8 @@ class CutLister {
   using Links = PartLinks<kWords>;
 
   CutLister(const PieceProblem& pieces, std::uint64_t forest_seed);
-  /// The same for another thread.
-  CutLister(const CutLister& other);
-  CutLister& operator=(const CutLister&) = delete;
-  ~CutLister() = default;
 
-  [[nodiscard]] const Links& links() const { return *links_; }
+  [[nodiscard]] const Links& links() const { return links_; }
   [[nodiscard]] Expander& expander() { return expander_; }
   /// Whether some bound on what a piece gains is known.
   [[nodiscard]] bool bounded() const { return bounded_; }
@@ -124,7 +123,7 @@ class CutLister {
 
   const PieceProblem& pieces_;
   const Problem& problem_;
-  std::shared_ptr<const Links> links_;
+  const Links links_;
   Expander expander_;
   CutTrees trees_;
   bool bounded_;
@@ -149,16 +148,16 @@ void CutLister<kWords>::list(const Set& piece, double here, double limit, List& 
   into.skipped = kInfinity;
   into.looks = 0;
   bool stopped = false;
-  if (links_->along_forest) {
+  if (links_.along_forest) {
     piece.for_each([&](std::size_t part) {
-      if (links_->parent[part] == SpanningForest::kNoPart || !piece.contains(links_->parent[part]))
+      if (links_.parent[part] == SpanningForest::kNoPart || !piece.contains(links_.parent[part]))
         return;
-      const Set side = links_->below[part] & piece;
+      const Set side = links_.below[part] & piece;
       add(piece, here, side, piece - side, limit, false, into);
     });
   } else {
-    const bool free = links_->sides->sees_blocking(piece);
-    links_->sides->list(
+    const bool free = links_.sides->sees_blocking(piece);
+    links_.sides->list(
         piece,
         [&](const Set& side, const Set& rest) { add(piece, here, side, rest, limit, free, into); },
         [&] {
