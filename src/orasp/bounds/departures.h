@@ -55,7 +55,7 @@ class Departures {
   /// Whether a group may leave at once, by all that is known.
   [[nodiscard]] bool may_leave(std::span<const PartIndex> group) const;
   /// Whether a group, which does not hold the part that stays, may ever leave while there are more
-  /// than so many parts, itself among them.
+  /// than so many parts, itself among them. If possible().
   [[nodiscard]] bool may_leave_more(std::span<const PartIndex> group, std::size_t than) const;
 
  private:

@@ -16,10 +16,7 @@ double AndOrSearch<kWords>::list_cuts(const Set& piece, std::size_t parts, std::
     offer_cut(piece, parts, allowed, limit, here, side, side_parts, skipped);
   };
   if (links_.along_forest) {
-    piece.for_each([&](std::size_t part) {
-      if (links_.parent[part] == SpanningForest::kNoPart || !piece.contains(links_.parent[part]))
-        return;
-      const Set side = links_.below[part] & piece;
+    links_.for_each_branch(piece, [&](const Set& side) {
       const std::size_t side_parts = side.size();
       if (wanted_[std::min(side_parts, parts - side_parts)] != 0) offer(side, side_parts);
     });

@@ -439,11 +439,10 @@ class AndOrSearch {
   /// The cuts of the pieces that are being searched, those of the innermost piece last.
   std::vector<Cut> cuts_;
 
-  /// Scratch memory: whether sides of each size are wanted, whether each connection is gone, queues
-  /// and lists of parts.
+  /// Scratch memory: whether sides of each size are wanted, whether each connection is gone, and
+  /// what hubs() has met.
   std::vector<unsigned char> wanted_;
   std::vector<unsigned char> gone_;
-  std::vector<PartIndex> queue_;
   std::vector<std::uint32_t> met_;
   std::vector<std::uint32_t> low_;
   std::vector<HubFrame> path_;

@@ -69,9 +69,12 @@ ConnectionIndex AndOrSearch<kWords>::last_of_cut(const Cut& cut, const Set& rest
   ConnectionIndex last = kNone;
   if (!lister_.by_connection()) return last;
   double best = -kInfinity;
-  lister_.gains_as_last(cut.side, rest, crossing,
+  std::vector<ConnectionIndex> open;
+  for (const ConnectionIndex c : crossing)
+    if (steps.open.contains(c)) open.push_back(c);
+  lister_.gains_as_last(cut.side, rest, open,
                         [&](ConnectionIndex c, const std::optional<double>& gain) {
-                          if (!steps.open.contains(c) || !gain || *gain <= best) return;
+                          if (!gain || *gain <= best) return;
                           best = *gain;
                           last = c;
                         });

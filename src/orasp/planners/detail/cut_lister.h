@@ -40,6 +40,16 @@ struct PartLinks {
   /// The ways to part a piece; nothing where only the cuts along a forest are looked at.
   std::optional<SideLister<kWords>> sides;
 
+  /// Along a forest: calls visit(side) for each part of `piece` that hangs on another one of it,
+  /// with what is at and below that part.
+  template <class Visit>
+  void for_each_branch(const Set& piece, Visit&& visit) const {
+    piece.for_each([&](std::size_t part) {
+      if (parent[part] != SpanningForest::kNoPart && piece.contains(parent[part]))
+        visit(below[part] & piece);
+    });
+  }
+
  private:
   void close_precedence(const Problem& problem);
 };
@@ -149,12 +159,8 @@ void CutLister<kWords>::list(const Set& piece, double here, double limit, List& 
   into.looks = 0;
   bool stopped = false;
   if (links_.along_forest) {
-    piece.for_each([&](std::size_t part) {
-      if (links_.parent[part] == SpanningForest::kNoPart || !piece.contains(links_.parent[part]))
-        return;
-      const Set side = links_.below[part] & piece;
-      add(piece, here, side, piece - side, limit, false, into);
-    });
+    links_.for_each_branch(
+        piece, [&](const Set& side) { add(piece, here, side, piece - side, limit, false, into); });
   } else {
     const bool free = links_.sides->sees_blocking(piece);
     links_.sides->list(
