@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "orasp/bounds/piece_bound.h"
+#include "orasp/bounds/raised_prices.h"
 #include "orasp/model/random.h"
 #include "orasp/model/tolerance.h"
 #include "orasp/model/transition_system.h"
@@ -195,6 +196,67 @@ TEST(SmallPieces, EveryLegalCutOfBlockedPartsKeepsTheBound) {
   }
   EXPECT_GT(plans, 100U);
   EXPECT_GT(tighter, 10U);
+}
+
+// What the parts of a piece cost more than the prices that fit all pieces is never more than what
+// its cuts lose, whether it is worked out for the piece alone, from a piece that it was cut from,
+// or with few conditions or none at hand.
+TEST(RaisedPrices, SayNoMoreThanWhatTheCutsOfAPieceLose) {
+  std::size_t raised = 0;
+  std::size_t raised_by_few = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+      const Problem problem(seed % 3 == 0 ? random_product(seed, objective)
+                                          : blocked_product(seed, objective));
+      const TransitionSystem system(problem);
+      Expander expander(system);
+      SCOPED_TRACE(problem.spec().name + " " + objective);
+      const std::size_t listed = 1 + seed % 5;
+      const LargerMoves moves = larger_moves(system, expander);
+      const SmallPieces pieces(system, expander, listed, moves, {});
+      const SmallPieces with_few(system, expander, listed, moves, {.most_near_rows = seed % 20});
+      const RaisedPrices prices(pieces, kParts);
+      const RaisedPrices few_prices(with_few, kParts);
+      const auto raise_of = [](const RaisedPrices& of, const std::vector<PartIndex>& piece) {
+        RaisedPrices::Raise raise;
+        of.fit(of.none(), piece, kInfinity, raise);
+        return raise.sum();
+      };
+      // By piece: the most that its cuts gain. NaN: not yet asked.
+      std::vector<double> value(1U << kParts, std::numeric_limits<double>::quiet_NaN());
+      const std::function<double(unsigned, const RaisedPrices::Raise&)> value_of =
+          [&](unsigned bits, const RaisedPrices::Raise& above) {
+            if (!std::isnan(value[bits])) return value[bits];
+            const std::vector<PartIndex> piece = parts_of(bits);
+            RaisedPrices::Raise raise;
+            prices.fit(above, piece, kInfinity, raise);
+            double most = piece.size() == 1 ? 0 : -kInfinity;
+            for_each_cut(problem, bits, [&](unsigned a, unsigned b, ConnectionIndex c) {
+              const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
+              if (gain) most = std::max(most, *gain + value_of(a, raise) + value_of(b, raise));
+            });
+            if (pieces.priced(piece.size())) {
+              const double bound = pieces.bound(piece);
+              EXPECT_GE(raise.sum(), 0);
+              EXPECT_GE(bound - raise.sum(), most - 1e-9);
+              const double alone = raise_of(prices, piece);
+              EXPECT_GE(bound - alone, most - 1e-9);
+              const double by_few = raise_of(few_prices, piece);
+              EXPECT_GE(bound - by_few, most - 1e-9);
+              RaisedPrices::Raise some;
+              prices.fit(prices.none(), piece, alone / 2, some);
+              EXPECT_LE(some.sum(), alone + 1e-9);
+              EXPECT_GE(some.sum(), alone / 2);
+              if (alone > 1e-3) ++raised;
+              if (by_few > 1e-3) ++raised_by_few;
+            }
+            return value[bits] = most;
+          };
+      static_cast<void>(value_of((1U << kParts) - 1, prices.none()));
+    }
+  }
+  EXPECT_GT(raised, 10'000U);
+  EXPECT_GT(raised_by_few, 1'000U);
 }
 
 // A product beside the depot costs much more than one around it: large pieces that move are priced.

@@ -360,6 +360,44 @@ TEST(AndOr, GoesOnWhereARunEndedAndNeedNotFindAPlanThatIsKnown) {
   EXPECT_LT(2 * looked_with_plan, looked);
 }
 
+// Where few small pieces are listed, prices say most of what is known of a piece before its cuts
+// are looked at. The best plan is found all the same, at once and in runs of a few expansions.
+TEST(AndOr, FindsTheBestPlanWherePiecesArePriced) {
+  std::size_t solved = 0;
+  for (const char* objective : {"time", "travel"}) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      SCOPED_TRACE(std::string(objective) + ", seed " + std::to_string(seed));
+      const Problem problem(locked_product(seed, objective, 12));
+      const TransitionSystem system(problem);
+      const Result truth = value_iteration(system, {}, Budget{});
+      const std::size_t listed = 12 + 8 * (seed % 5);
+      const detail::PieceProblem pieces(
+          system, std::make_shared<const PieceGains>(system, ListingEffort{.most_sets = listed}));
+      const Budget budget;
+      for (const std::uint64_t expansions : {std::uint64_t{3}, std::uint64_t{1'000'000}}) {
+        Result spent;
+        detail::AndOrSearch<1> search(pieces, 0, budget, spent);
+        bool done = false;
+        for (std::size_t runs = 0; runs < 10'000 && !done; ++runs) {
+          done = search.run(expansions, 1'000'000);
+          ASSERT_GE(*spent.bound, truth.reward - 1e-9 * std::max(1.0, std::abs(truth.reward)));
+        }
+        ASSERT_TRUE(done);
+        if (truth.status != Status::Optimal) {
+          ASSERT_EQ(*spent.bound, -kInfinity);
+          continue;
+        }
+        ASSERT_NEAR(*spent.bound, truth.reward, 1e-9 * std::max(1.0, std::abs(truth.reward)));
+        const Evaluation found = evaluate(problem, search.sequence(false));
+        ASSERT_TRUE(found.valid);
+        ASSERT_NEAR(found.reward, truth.reward, 1e-9 * std::max(1.0, std::abs(truth.reward)));
+        ++solved;
+      }
+    }
+  }
+  EXPECT_GE(solved, 100U);
+}
+
 // A window may hold all of eight parts, so that from any plan the best one is found.
 TEST(AndOr, CutsAPlanAnewInTheBestWayThereIs) {
   std::size_t better = 0;
@@ -395,7 +433,7 @@ TEST(AndOr, MakesAPlanBetterBesideTheSearchWithTheSameAnswer) {
   std::size_t open = 0;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Problem problem(locked_product(seed, "time", 26));
+    const Problem problem(locked_product(seed, "time", 30));
     const TransitionSystem system(problem);
     Budget budget;
     const Result one = and_or(system, {.rounds = 2}, budget);

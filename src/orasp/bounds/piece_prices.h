@@ -59,6 +59,8 @@ class PiecePrices {
   [[nodiscard]] double bound(std::span<const PartIndex> piece, const PartUnits& units) const;
   /// Whether with a greater effort more sets would be listed.
   [[nodiscard]] bool more_could_be_listed() const { return pieces_.more_could_be_listed(); }
+  /// What the bound takes from small pieces, where it does.
+  [[nodiscard]] const SmallPieces& small_pieces() const { return pieces_; }
   /// Whether that is the sum of the prices less the least of them for every piece, and the price of
   /// a part.
   [[nodiscard]] bool plain() const { return fixed_.empty() && stays_.empty() && small_.empty(); }

@@ -188,10 +188,12 @@ class SmallPieces::Lister {
     return rows;
   }
 
-  /// What parts cost, and the most that any set has to owe then.
+  /// What parts cost, the most that any set has to owe then, and what is left of the room of each
+  /// set where none may owe more.
   struct Costs {
     std::vector<double> of_parts;
     double most_owed;
+    std::vector<PriceRow> left;
   };
 
   /// The greatest costs of parts that could be found; `rows` are those of measure().
@@ -205,7 +207,7 @@ class SmallPieces::Lister {
         PackedCosts(std::move(rows), parts).find([&] { return effort_.is_over(); });
     const double scale = best.sum / static_cast<double>(parts);
     std::vector<double> best_reserves(parts, 0.0);
-    if (scale <= 0) return {best.costs, most_owed_with(best.costs, best_reserves, largest)};
+    if (scale <= 0) return with_room_left(std::move(best.costs), best_reserves, largest);
     std::vector<double> costs = best.costs;
     // Where all cuts cost the same, parts reserve this share of that; where some cost more, a tenth
     // of it is the better beginning.
@@ -236,7 +238,7 @@ class SmallPieces::Lister {
       packed.climb(costs, reserves, kStepsInRound,
                    0.002 * scale / (1 + 0.4 * static_cast<double>(round)));
     }
-    return {best.costs, most_owed_with(best.costs, best_reserves, largest)};
+    return with_room_left(std::move(best.costs), best_reserves, largest);
   }
 
   [[nodiscard]] const std::vector<ListedSet>& sets() const { return sets_; }
@@ -306,6 +308,17 @@ class SmallPieces::Lister {
       most = std::max(most, sum);
     }
     return most;
+  }
+
+  Costs with_room_left(std::vector<double> costs, const std::vector<double>& reserves,
+                       std::size_t largest) {
+    const double most_owed = most_owed_with(costs, reserves, largest);
+    for (ListedSet& set : sets_) set.owed = std::min(set.owed, most_owed);
+    std::vector<PriceRow> rows = rows_with(reserves, largest);
+    for (PriceRow& row : rows) {
+      for (const PartIndex part : row.all()) row.room -= costs[part];
+    }
+    return {std::move(costs), most_owed, std::move(rows)};
   }
 
   /// By size, less 1, and part: the set of that size that holds the part and reserves least; the
@@ -484,6 +497,12 @@ SmallPieces::SmallPieces(const TransitionSystem& system, Expander& expander,
     prices_ = std::move(costs.of_parts);
     for (double& price : prices_) price = 0.0 - price;
     most_owed_ = costs.most_owed;
+    near_rows_ = std::move(costs.left);
+    std::ranges::sort(near_rows_, {}, &PriceRow::room);
+    const bool all = near_rows_.size() <= effort.most_near_rows;
+    left_beyond_ = all ? kInfinity : near_rows_[effort.most_near_rows].room;
+    if (!all) near_rows_.resize(effort.most_near_rows);
+    near_rows_.shrink_to_fit();
   }
   largest_ = largest;
 }

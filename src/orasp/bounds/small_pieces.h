@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "orasp/bounds/packed_costs.h"
 #include "orasp/model/transition_system.h"
 
 namespace orasp {
@@ -86,6 +87,8 @@ class SmallPieces {
   static constexpr std::size_t kFewSets = 30'000;
   static constexpr std::size_t kMostSets = 200'000;
   static constexpr std::size_t kManySets = 1'000'000;
+  /// So many conditions on prices are kept for RaisedPrices.
+  static constexpr std::size_t kMostNearRows = 4096;
 
   SmallPieces() = default;
   /// No cut may gain more than 0. Pieces of at most `most_listed` parts are listed.
@@ -96,6 +99,14 @@ class SmallPieces {
   [[nodiscard]] double bound(std::span<const PartIndex> piece) const;
   /// Whether larger sets were too many to be listed.
   [[nodiscard]] bool more_could_be_listed() const { return cut_short_; }
+
+  /// Whether the bound of a piece of so many parts is the sum of its prices.
+  [[nodiscard]] bool priced(std::size_t parts) const { return known() && parts > largest_; }
+  /// Conditions on prices, each with what is left of its room under those that were found: the
+  /// ones that have least left, in rising order.
+  [[nodiscard]] const std::vector<PriceRow>& near_rows() const { return near_rows_; }
+  /// At least so much is left of the room of each of the others.
+  [[nodiscard]] double left_beyond() const { return left_beyond_; }
 
  private:
   /// The parts of a set in rising order, each plus 1 and in 16 bits.
@@ -143,6 +154,8 @@ class SmallPieces {
   double gain_of_larger_ = 0;
   std::function<double(std::span<const PartIndex>, std::size_t, double)> gain_of_larger_with_;
   double most_owed_ = 0;
+  std::vector<PriceRow> near_rows_;
+  double left_beyond_ = 0;
   std::vector<bool> in_base_;  ///< by part; empty where none is
 
   /// f where so many parts are listed, and it is no more than `most`.
@@ -154,7 +167,8 @@ class SmallPieces {
 
 /// How much a bound may do before it is first asked.
 struct ListingEffort {
-  std::size_t most_sets = SmallPieces::kFewSets;  ///< that SmallPieces lists
+  std::size_t most_sets = SmallPieces::kFewSets;            ///< that SmallPieces lists
+  std::size_t most_near_rows = SmallPieces::kMostNearRows;  ///< that SmallPieces keeps
   /// Asked now and then, if there is one: where it says true, what is known by then is the bound.
   std::function<bool()> stop{};
 

@@ -2,10 +2,28 @@
 
 namespace orasp::detail {
 
-/// A lower bound on the loss of a piece before any of its cuts is looked at: a hub costs more
-/// than sizes tell.
+/// A lower bound on the loss of a piece before any of its cuts is looked at.
 template <std::size_t kWords>
 double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
+  const double by_hubs = loss_by_hubs(piece, parts);
+  if (!has_raises(parts)) return by_hubs;
+  list_parts(piece, parts_);
+  raised_->fit(raised_->none(), parts_, kInfinity, raise_);
+  return std::max(by_hubs, above_prices(piece, parts) + raise_.sum());
+}
+
+/// By how much the bound of a piece is above what the prices say that fit all pieces: negative
+/// where another bound is closer. What its parts cost more than these is loss beyond that.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::above_prices(const Set& piece, std::size_t parts) {
+  list_parts(piece, parts_);
+  const double by_prices = gains_.prices().small_pieces().bound(parts_) - tree(piece);
+  return upper(piece, parts) - by_prices - slack(scale_);
+}
+
+/// A hub costs more than sizes tell.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::loss_by_hubs(const Set& piece, std::size_t parts) {
   if (!gains_.sizes_known() || parts < 3) return unknown_loss();
   const double here = upper(piece, parts) + tree(piece);
   // A star has the most arms; where even that loses nothing, they need not be counted.

@@ -19,7 +19,10 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
       bounded_(lister_.bounded()),
       limited_(problem_.limits().max_subassemblies.has_value()),
       stores_(!limited_ && bounded_ && !pieces.system.gain_by_sizes()),
-      memo_(kWords + 1) {}
+      memo_(kWords + 1) {
+  const SmallPieces& small = gains_.prices().small_pieces();
+  if (small.known() && !small.near_rows().empty()) raised_.emplace(small, problem_.num_parts());
+}
 
 /// The pieces of the problem, and how many subassemblies there may be.
 template <std::size_t kWords>

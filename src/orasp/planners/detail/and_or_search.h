@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "orasp/bounds/piece_gains.h"
+#include "orasp/bounds/raised_prices.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/random.h"
@@ -136,6 +137,7 @@ class AndOrSearch {
     std::uint32_t size;
     bool kept;
     bool too_many;
+    bool looked_at;
     double limit;
     double skipped;
   };
@@ -222,6 +224,11 @@ class AndOrSearch {
   static constexpr std::size_t kMostPartsWithReach = 512;
   double most_with(std::size_t parts, const Hubs& found);
   double first_loss(const Set& piece, std::size_t parts);
+  double loss_by_hubs(const Set& piece, std::size_t parts);
+  double above_prices(const Set& piece, std::size_t parts);
+  [[nodiscard]] bool has_raises(std::size_t parts) const {
+    return raised_ && gains_.prices().small_pieces().priced(parts);
+  }
   double by_reach(std::size_t parts, std::size_t reach);
   Hubs hubs(const Set& piece, std::size_t parts);
   Hubs hubs_of_tree(const Set& piece, std::size_t parts);
@@ -230,6 +237,8 @@ class AndOrSearch {
   std::uint32_t node_of(const Set& set, std::size_t parts);
   std::uint32_t node_of(const Set& set, std::uint64_t hash, double bound);
   void keep_listed();
+  void look_at(std::uint32_t number, double limit);
+  void raise_on_path(std::size_t depth, std::uint32_t number, double enough);
   double search_stored(std::uint32_t number, double limit);
   bool store_cuts(std::uint32_t number, double limit);
   std::pair<double, double> least_stored_loss(std::uint32_t number, double limit);
@@ -439,6 +448,18 @@ class AndOrSearch {
   /// The cuts of the pieces that are being searched, those of the innermost piece last.
   std::vector<Cut> cuts_;
 
+  /// Where the bound of pieces is by prices.
+  std::optional<RaisedPrices> raised_;
+  RaisedPrices::Raise raise_;
+  /// The pieces of memo_ that are being searched, each cut from the one before it; and as far as
+  /// it was asked for, what the parts of each cost more, and of a piece that is looked at next.
+  std::vector<std::uint32_t> path_of_pieces_;
+  struct RaiseOnPath {
+    std::uint32_t number = kNone;
+    RaisedPrices::Raise raise;
+  };
+  std::vector<RaiseOnPath> raises_;
+
   /// Scratch memory: whether sides of each size are wanted, whether each connection is gone, and
   /// what hubs() has met.
   std::vector<unsigned char> wanted_;
@@ -446,6 +467,7 @@ class AndOrSearch {
   std::vector<std::uint32_t> met_;
   std::vector<std::uint32_t> low_;
   std::vector<HubFrame> path_;
+  std::vector<PartIndex> parts_;
   /// by_reach(), by reach and parts, as far as it was asked for.
   std::vector<std::vector<double>> by_reach_;
 

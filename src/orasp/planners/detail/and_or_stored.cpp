@@ -24,14 +24,50 @@ std::uint32_t AndOrSearch<kWords>::node_of(const Set& set, std::uint64_t hash, d
   return number;
 }
 
+/// Works out what a piece of memo_ loses at least before any of its cuts is looked at, once; again
+/// where it was enough to know that this was more than a limit.
+template <std::size_t kWords>
+void AndOrSearch<kWords>::look_at(std::uint32_t number, double limit) {
+  if (lists_[number].looked_at) return;
+  const Set piece = set_of(number);
+  const std::size_t parts = piece.size();
+  double least = loss_by_hubs(piece, parts);
+  if (has_raises(parts)) {
+    const std::size_t depth = path_of_pieces_.size();
+    if (raises_.size() <= depth) raises_.resize(depth + 1);
+    // Other sides of the same piece are looked at soon.
+    if (depth > 0 && raises_[depth - 1].number != path_of_pieces_.back())
+      raise_on_path(depth - 1, path_of_pieces_.back(), kInfinity);
+    const double above = above_prices(piece, parts);
+    raise_on_path(depth, number, limit - above);
+    least = std::max(least, above + raises_[depth].raise.sum());
+  }
+  loss_[number] = std::max(loss_[number], least);
+  lists_[number].looked_at = loss_[number] <= limit;
+}
+
+/// Fits prices to a piece at `depth`, by those of the nearest piece above it that is there.
+template <std::size_t kWords>
+void AndOrSearch<kWords>::raise_on_path(std::size_t depth, std::uint32_t number, double enough) {
+  std::size_t above = depth;
+  while (above > 0 && raises_[above - 1].number != path_of_pieces_[above - 1]) --above;
+  list_parts(set_of(number), parts_);
+  raised_->fit(above > 0 ? raises_[above - 1].raise : raised_->none(), parts_, enough,
+               raises_[depth].raise);
+  raises_[depth].number = number;
+}
+
 /// As search(), for a piece of memo_.
 template <std::size_t kWords>
 double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
   if (exact_[number] != 0 || loss_[number] > limit || must_stop()) return loss_[number];
   if (++visits_ % 4096 == 0) poll();
+  look_at(number, limit);
+  if (loss_[number] > limit) return loss_[number];
   const StoredCuts& list = lists_[number];
   double best = kInfinity;
   double next = kInfinity;
+  path_of_pieces_.push_back(number);
   const bool there = list.kept && list.limit >= limit;
   if (there || (!list.too_many && store_cuts(number, limit))) {
     std::tie(best, next) = least_stored_loss(number, limit);
@@ -39,6 +75,7 @@ double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
     const Set piece = set_of(number);
     std::tie(best, next) = least_listed_loss(piece, piece.size(), kMostAllowed, limit);
   }
+  path_of_pieces_.pop_back();
   return settled_loss(number, limit, best, next);
 }
 
@@ -47,8 +84,6 @@ double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
 template <std::size_t kWords>
 bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
   const Set piece = set_of(number);
-  if (!lists_[number].kept)
-    loss_[number] = std::max(loss_[number], first_loss(piece, piece.size()));
   ++result_.statistics.expanded;
   if (result_.statistics.expanded % 256 == 0) poll();
   if (result_.statistics.expanded >= run_ends_at_) run_is_over_ = true;
@@ -67,9 +102,13 @@ bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
   }
   const std::uint64_t begin = stored_.size();
   keep_listed();
-  lists_[number] = {begin, static_cast<std::uint32_t>(stored_.size() - begin),
-                    true,  false,
-                    most,  listed_.skipped};
+  lists_[number] = {.begin = begin,
+                    .size = static_cast<std::uint32_t>(stored_.size() - begin),
+                    .kept = true,
+                    .too_many = false,
+                    .looked_at = true,
+                    .limit = most,
+                    .skipped = listed_.skipped};
   return true;
 }
 
