@@ -237,7 +237,7 @@ TEST(RaisedPrices, SayNoMoreThanWhatTheCutsOfAPieceLose) {
             });
             if (pieces.priced(piece.size())) {
               const double bound = pieces.bound(piece);
-              EXPECT_GE(raise.sum(), 0);
+              EXPECT_GE(raise.sum(), -1e-9);
               EXPECT_GE(bound - raise.sum(), most - 1e-9);
               const double alone = raise_of(prices, piece);
               EXPECT_GE(bound - alone, most - 1e-9);
