@@ -205,7 +205,7 @@ TEST(RaisedPrices, SayNoMoreThanWhatTheCutsOfAPieceLose) {
   std::size_t raised = 0;
   std::size_t raised_by_few = 0;
   for (const char* objective : {"time", "travel"}) {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    for (std::uint64_t seed = 0; seed < 150; ++seed) {
       const Problem problem(seed % 3 == 0 ? random_product(seed, objective)
                                           : blocked_product(seed, objective));
       const TransitionSystem system(problem);
@@ -255,8 +255,8 @@ TEST(RaisedPrices, SayNoMoreThanWhatTheCutsOfAPieceLose) {
       static_cast<void>(value_of((1U << kParts) - 1, prices.none()));
     }
   }
-  EXPECT_GT(raised, 10'000U);
-  EXPECT_GT(raised_by_few, 1'000U);
+  EXPECT_GT(raised, 5'000U);
+  EXPECT_GT(raised_by_few, 500U);
 }
 
 // A product beside the depot costs much more than one around it: large pieces that move are priced.

