@@ -46,8 +46,8 @@ namespace orasp::detail {
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
 /// search takes too long, and_or_recut.cpp how a plan is made better, and_or_first.cpp what changes
 /// where the first step completes, and_or_hubs.cpp what is known of a piece before its cuts are
-/// looked at, by its hubs and by prices of its own, and_or_stored.cpp the search where the cuts of a
-/// piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
+/// looked at, by its hubs and by prices of its own, and_or_stored.cpp the search where the cuts of
+/// a piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
 template <std::size_t kWords>
 class AndOrSearch {
  public:
