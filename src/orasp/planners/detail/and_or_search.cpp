@@ -45,6 +45,7 @@ template <std::size_t kWords>
 bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_looks) {
   run_is_over_ = false;
   peeled_.clear();
+  path_of_pieces_.clear();  // a formula without a value may have ended the run before this one
   run_ends_at_ = result_.statistics.expanded + most_expansions;
   looks_end_at_ = looks_ + most_looks;
   find_pieces();
