@@ -310,6 +310,7 @@ class SmallPieces::Lister {
     return most;
   }
 
+  /// The costs with what else is asked for. After it no set owes more.
   Costs with_room_left(std::vector<double> costs, const std::vector<double>& reserves,
                        std::size_t largest) {
     const double most_owed = most_owed_with(costs, reserves, largest);

@@ -9,6 +9,8 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system,
                              : std::make_shared<const PieceGains>(the_system)),
       gains(*shared_gains),
       graph(the_system.problem()) {
+  const SmallPieces& small = gains.prices().small_pieces();
+  if (!small.near_rows().empty()) raised.emplace(small, system.problem().num_parts());
   if (!system.completes_first() || !gains.known()) return;
   FirstSteps& steps = first.emplace();
   Expander expander(system);

@@ -2,30 +2,44 @@
 
 namespace orasp::detail {
 
-/// A lower bound on the loss of a piece before any of its cuts is looked at.
+/// A lower bound on the loss of a piece of memo_ before any of its cuts is looked at; what is more
+/// than `enough` need not be found. `bound` is that of the piece.
 template <std::size_t kWords>
-double AndOrSearch<kWords>::first_loss(const Set& piece, std::size_t parts) {
-  const double by_hubs = loss_by_hubs(piece, parts);
-  if (!has_raises(parts)) return by_hubs;
+double AndOrSearch<kWords>::first_loss(std::uint32_t number, std::size_t parts, double bound,
+                                       double enough) {
+  const Set piece = set_of(number);
+  const double by_hubs = loss_by_hubs(piece, parts, bound);
+  const SmallPieces& small = gains_.prices().small_pieces();
+  if (raised_ == nullptr || !small.priced(parts)) return by_hubs;
+  // By how much the bound is above what the prices say that fit all pieces: negative where another
+  // bound is closer. What the parts of this piece cost more is loss beyond that.
   list_parts(piece, parts_);
-  raised_->fit(raised_->none(), parts_, kInfinity, raise_);
-  return std::max(by_hubs, above_prices(piece, parts) + raise_.sum());
+  const double above = bound - (small.bound(parts_) - tree(piece)) - slack(scale_);
+  const std::size_t depth = path_of_pieces_.size();
+  if (raises_.size() <= depth) raises_.resize(depth + 1);
+  // Other sides of the piece that this one is cut from are looked at soon.
+  if (depth > 0 && raises_[depth - 1].number != path_of_pieces_.back())
+    raise_on_path(depth - 1, path_of_pieces_.back(), kInfinity);
+  raise_on_path(depth, number, enough - above);
+  return std::max(by_hubs, above + raises_[depth].raise.sum());
 }
 
-/// By how much the bound of a piece is above what the prices say that fit all pieces: negative
-/// where another bound is closer. What its parts cost more than these is loss beyond that.
+/// Fits prices to a piece at `depth`, by those of the nearest piece above it that is there.
 template <std::size_t kWords>
-double AndOrSearch<kWords>::above_prices(const Set& piece, std::size_t parts) {
-  list_parts(piece, parts_);
-  const double by_prices = gains_.prices().small_pieces().bound(parts_) - tree(piece);
-  return upper(piece, parts) - by_prices - slack(scale_);
+void AndOrSearch<kWords>::raise_on_path(std::size_t depth, std::uint32_t number, double enough) {
+  std::size_t above = depth;
+  while (above > 0 && raises_[above - 1].number != path_of_pieces_[above - 1]) --above;
+  list_parts(set_of(number), parts_);
+  raised_->fit(above > 0 ? raises_[above - 1].raise : raised_->none(), parts_, enough,
+               raises_[depth].raise);
+  raises_[depth].number = number;
 }
 
 /// A hub costs more than sizes tell.
 template <std::size_t kWords>
-double AndOrSearch<kWords>::loss_by_hubs(const Set& piece, std::size_t parts) {
+double AndOrSearch<kWords>::loss_by_hubs(const Set& piece, std::size_t parts, double bound) {
   if (!gains_.sizes_known() || parts < 3) return unknown_loss();
-  const double here = upper(piece, parts) + tree(piece);
+  const double here = bound + tree(piece);
   // A star has the most arms; where even that loses nothing, they need not be counted.
   const double of_star = gains_.by_arms(parts, parts - 1);
   if (std::isfinite(of_star) && here <= of_star) return 0;
@@ -134,10 +148,10 @@ auto AndOrSearch<kWords>::hubs(const Set& piece, std::size_t parts) -> Hubs {
   return found;
 }
 
-template double AndOrSearch<1>::first_loss(const Set&, std::size_t);
-template double AndOrSearch<2>::first_loss(const Set&, std::size_t);
-template double AndOrSearch<4>::first_loss(const Set&, std::size_t);
-template double AndOrSearch<8>::first_loss(const Set&, std::size_t);
-template double AndOrSearch<16>::first_loss(const Set&, std::size_t);
+template double AndOrSearch<1>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<2>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<4>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<8>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<16>::first_loss(std::uint32_t, std::size_t, double, double);
 
 }  // namespace orasp::detail

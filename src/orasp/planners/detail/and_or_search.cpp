@@ -19,10 +19,8 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
       bounded_(lister_.bounded()),
       limited_(problem_.limits().max_subassemblies.has_value()),
       stores_(!limited_ && bounded_ && !pieces.system.gain_by_sizes()),
-      memo_(kWords + 1) {
-  const SmallPieces& small = gains_.prices().small_pieces();
-  if (small.known() && !small.near_rows().empty()) raised_.emplace(small, problem_.num_parts());
-}
+      raised_(pieces.raised ? &*pieces.raised : nullptr),
+      memo_(kWords + 1) {}
 
 /// The pieces of the problem, and how many subassemblies there may be.
 template <std::size_t kWords>
@@ -139,7 +137,7 @@ double AndOrSearch<kWords>::search(const Set& piece, std::size_t parts, std::siz
   if (stores_) return search_stored(node_of(piece, parts), limit);
   const auto [number, is_new] = memo_.insert(key(piece, allowed).data());
   if (is_new) {
-    loss_.push_back(first_loss(piece, parts));
+    loss_.push_back(first_loss(number, parts, upper(piece, parts), kInfinity));
     exact_.push_back(0);
   }
   if (exact_[number] != 0 || loss_[number] > limit || must_stop()) return loss_[number];

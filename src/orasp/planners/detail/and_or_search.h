@@ -141,6 +141,11 @@ class AndOrSearch {
     double limit;
     double skipped;
   };
+  /// How much more the parts of a piece of memo_ cost than the prices that fit all pieces say.
+  struct RaiseOnPath {
+    std::uint32_t number = kNone;
+    RaisedPrices::Raise raise;
+  };
   /// How far solve() has come with a piece: the limit on its loss, by how much that grew last, and
   /// after how many expansions a try at it ends, the salt_-th.
   struct Deepening {
@@ -223,12 +228,9 @@ class AndOrSearch {
   };
   static constexpr std::size_t kMostPartsWithReach = 512;
   double most_with(std::size_t parts, const Hubs& found);
-  double first_loss(const Set& piece, std::size_t parts);
-  double loss_by_hubs(const Set& piece, std::size_t parts);
-  double above_prices(const Set& piece, std::size_t parts);
-  [[nodiscard]] bool has_raises(std::size_t parts) const {
-    return raised_ && gains_.prices().small_pieces().priced(parts);
-  }
+  double first_loss(std::uint32_t number, std::size_t parts, double bound, double enough);
+  void raise_on_path(std::size_t depth, std::uint32_t number, double enough);
+  double loss_by_hubs(const Set& piece, std::size_t parts, double bound);
   double by_reach(std::size_t parts, std::size_t reach);
   Hubs hubs(const Set& piece, std::size_t parts);
   Hubs hubs_of_tree(const Set& piece, std::size_t parts);
@@ -238,7 +240,6 @@ class AndOrSearch {
   std::uint32_t node_of(const Set& set, std::uint64_t hash, double bound);
   void keep_listed();
   void look_at(std::uint32_t number, double limit);
-  void raise_on_path(std::size_t depth, std::uint32_t number, double enough);
   double search_stored(std::uint32_t number, double limit);
   bool store_cuts(std::uint32_t number, double limit);
   std::pair<double, double> least_stored_loss(std::uint32_t number, double limit);
@@ -424,6 +425,9 @@ class AndOrSearch {
   /// gains, all cuts are looked at anyway.
   bool stores_;
 
+  /// Null where the bound of pieces is not by prices.
+  const RaisedPrices* raised_;
+
   /// The memory of the search: a set of parts with the subassemblies allowed to it; its loss, or a
   /// lower bound on it; and which of the two.
   StateTable<kWords + 1> memo_;
@@ -448,16 +452,10 @@ class AndOrSearch {
   /// The cuts of the pieces that are being searched, those of the innermost piece last.
   std::vector<Cut> cuts_;
 
-  /// Where the bound of pieces is by prices.
-  std::optional<RaisedPrices> raised_;
-  RaisedPrices::Raise raise_;
-  /// The pieces of memo_ that are being searched, each cut from the one before it; and as far as
-  /// it was asked for, what the parts of each cost more, and of a piece that is looked at next.
+  /// The pieces of memo_ that are being searched where cuts are kept, each cut from the one before
+  /// it; and as far as it was asked for, what the parts of each cost more, and of a piece that is
+  /// looked at next.
   std::vector<std::uint32_t> path_of_pieces_;
-  struct RaiseOnPath {
-    std::uint32_t number = kNone;
-    RaisedPrices::Raise raise;
-  };
   std::vector<RaiseOnPath> raises_;
 
   /// Scratch memory: whether sides of each size are wanted, whether each connection is gone, and

@@ -24,37 +24,14 @@ std::uint32_t AndOrSearch<kWords>::node_of(const Set& set, std::uint64_t hash, d
   return number;
 }
 
-/// Works out what a piece of memo_ loses at least before any of its cuts is looked at, once; again
-/// where it was enough to know that this was more than a limit.
+/// Works out first_loss() of a piece, once; again where it was enough to know that it is more than
+/// a limit.
 template <std::size_t kWords>
 void AndOrSearch<kWords>::look_at(std::uint32_t number, double limit) {
   if (lists_[number].looked_at) return;
-  const Set piece = set_of(number);
-  const std::size_t parts = piece.size();
-  double least = loss_by_hubs(piece, parts);
-  if (has_raises(parts)) {
-    const std::size_t depth = path_of_pieces_.size();
-    if (raises_.size() <= depth) raises_.resize(depth + 1);
-    // Other sides of the same piece are looked at soon.
-    if (depth > 0 && raises_[depth - 1].number != path_of_pieces_.back())
-      raise_on_path(depth - 1, path_of_pieces_.back(), kInfinity);
-    const double above = above_prices(piece, parts);
-    raise_on_path(depth, number, limit - above);
-    least = std::max(least, above + raises_[depth].raise.sum());
-  }
-  loss_[number] = std::max(loss_[number], least);
+  const double first = first_loss(number, set_of(number).size(), upper_[number], limit);
+  loss_[number] = std::max(loss_[number], first);
   lists_[number].looked_at = loss_[number] <= limit;
-}
-
-/// Fits prices to a piece at `depth`, by those of the nearest piece above it that is there.
-template <std::size_t kWords>
-void AndOrSearch<kWords>::raise_on_path(std::size_t depth, std::uint32_t number, double enough) {
-  std::size_t above = depth;
-  while (above > 0 && raises_[above - 1].number != path_of_pieces_[above - 1]) --above;
-  list_parts(set_of(number), parts_);
-  raised_->fit(above > 0 ? raises_[above - 1].raise : raised_->none(), parts_, enough,
-               raises_[depth].raise);
-  raises_[depth].number = number;
 }
 
 /// As search(), for a piece of memo_.

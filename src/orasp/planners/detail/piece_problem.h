@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "orasp/bounds/piece_gains.h"
+#include "orasp/bounds/raised_prices.h"
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/transition_system.h"
 
@@ -36,6 +37,7 @@ struct PieceProblem {
   const PieceGains& gains;
   AssemblyGraph graph;
   std::optional<FirstSteps> first;
+  std::optional<RaisedPrices> raised;  ///< where the bound of pieces is by prices
 };
 
 }  // namespace orasp::detail
