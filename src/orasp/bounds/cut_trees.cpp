@@ -29,29 +29,6 @@ CutTrees::CutTrees(const TransitionSystem& system) {
   around_.resize(problem.num_parts());
 }
 
-PartIndex CutTrees::root(std::vector<PartIndex>& above, PartIndex part) {
-  while (above[part] != part) part = above[part] = above[above[part]];
-  return part;
-}
-
-/// Calls use(c, in_tree) for each connection for which is_there(c) holds, least cost first, until
-/// the tree has `most` of them.
-template <class IsThere, class Use>
-void CutTrees::kruskal(std::size_t most, IsThere&& is_there, Use&& use) {
-  std::iota(above_.begin(), above_.end(), PartIndex{0});
-  for (const ConnectionIndex c : order_) {
-    if (most == 0) return;
-    if (!is_there(c)) continue;
-    const PartIndex first = root(above_, ends_[c][0]);
-    const PartIndex second = root(above_, ends_[c][1]);
-    if (first != second) {
-      above_[first] = second;
-      --most;
-    }
-    use(c, first != second);
-  }
-}
-
 double CutTrees::of(SetView present) {
   double sum = 0;
   if (!any()) return sum;
@@ -64,12 +41,7 @@ double CutTrees::of(SetView present) {
 double CutTrees::of_parts(std::span<const PartIndex> parts) {
   double sum = 0;
   if (!any()) return sum;
-  for (const PartIndex part : parts) inside_[part] = 1;
-  kruskal(
-      parts.size() - 1,
-      [&](ConnectionIndex c) { return inside_[ends_[c][0]] != 0 && inside_[ends_[c][1]] != 0; },
-      [&](ConnectionIndex c, bool in_tree) { sum += in_tree ? costs_[c] : 0; });
-  for (const PartIndex part : parts) inside_[part] = 0;
+  for_each_of_parts(parts, [&](PartIndex, PartIndex, double cost) { sum += cost; });
   return sum;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -48,12 +49,42 @@ class CutTrees {
   void measure_changes(SetView present);
   /// The cost of the least spanning tree of some parts under all connections of the problem.
   [[nodiscard]] double of_parts(std::span<const PartIndex> parts);
+  /// Calls visit(part, other, cost) for each connection of that tree, least cost first.
+  template <class Visit>
+  void for_each_of_parts(std::span<const PartIndex> parts, Visit&& visit) {
+    for (const PartIndex part : parts) inside_[part] = 1;
+    kruskal(
+        parts.size() - 1,
+        [&](ConnectionIndex c) { return inside_[ends_[c][0]] != 0 && inside_[ends_[c][1]] != 0; },
+        [&](ConnectionIndex c, bool in_tree) {
+          if (in_tree) visit(ends_[c][0], ends_[c][1], costs_[c]);
+        });
+    for (const PartIndex part : parts) inside_[part] = 0;
+  }
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFF'FFFF;
+  /// Calls use(c, in_tree) for each connection for which is_there(c) holds, least cost first, until
+  /// the tree has `most` of them.
   template <class IsThere, class Use>
-  void kruskal(std::size_t most, IsThere&& is_there, Use&& use);
-  PartIndex root(std::vector<PartIndex>& above, PartIndex part);
+  void kruskal(std::size_t most, IsThere&& is_there, Use&& use) {
+    std::iota(above_.begin(), above_.end(), PartIndex{0});
+    for (const ConnectionIndex c : order_) {
+      if (most == 0) return;
+      if (!is_there(c)) continue;
+      const PartIndex first = root(above_, ends_[c][0]);
+      const PartIndex second = root(above_, ends_[c][1]);
+      if (first != second) {
+        above_[first] = second;
+        --most;
+      }
+      use(c, first != second);
+    }
+  }
+  static PartIndex root(std::vector<PartIndex>& above, PartIndex part) {
+    while (above[part] != part) part = above[part] = above[above[part]];
+    return part;
+  }
 
   /// The connections by their costs, least first; without those of a part with itself.
   std::vector<ConnectionIndex> order_;

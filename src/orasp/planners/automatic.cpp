@@ -50,10 +50,6 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
 /// time for that.
 constexpr std::uint64_t kTurnsBeforeDense = 3;
 
-/// After so many turns pieces are planned one by one where the bound tells connections apart: few
-/// pieces then are worth the same, so that a depth-first search is quicker.
-constexpr std::uint64_t kTurnsBeforePieces = 5;
-
 /// After so many turns larger pieces are listed for the bound.
 constexpr std::uint64_t kTurnsBeforeMany = 1;
 
@@ -235,7 +231,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     return ended;
   };
   Stop stop = Stop::None;
-  if (by_pieces && !pieces->sees_connections()) {
+  if (by_pieces) {
     stop = look_at_pieces();
     if (findings.settled() || stop != Stop::None)
       return findings.answer(stop, "and-or, since the objective sees the piece only");
@@ -299,8 +295,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     if (findings.settled() || stop != Stop::None) break;
     if (passes.status == Status::Optimal) break;
     turn_length *= worthwhile(gap_before, findings.gap()) ? 4 : 2;
-    if (!pieces_ended && (turn >= kTurnsBeforePieces || !pieces->sees_connections()))
-      stop = look_at_pieces();
+    if (!pieces_ended) stop = look_at_pieces();
     if (turn < kTurnsBeforeDense || !may_be_dense || stop != Stop::None || findings.settled())
       continue;
     may_be_dense = false;
@@ -309,7 +304,7 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
     findings.add(dense);
     stop = dense.stop;
     how += ", then value iteration over all subsets of connections";
-    if (dense.stop == Stop::None) break;
+    if (dense.status == Status::Optimal) break;
   }
   return findings.answer(stop, how);
 }

@@ -61,17 +61,22 @@ void AndOrSearch<kWords>::offer_cut(const Set& piece, std::size_t parts, std::si
   if (!gain) return;
   const Set side_form = form_of(side, side_parts);
   const Set rest_form = form_of(rest, rest_parts);
-  const double own = here - *gain - upper(side_form, side_parts) - upper(rest_form, rest_parts);
+  double own = here - *gain - upper(side_form, side_parts) - upper(rest_form, rest_parts);
+  if ((allowed & kCompletes) != 0 && parts == 2) own += *gain - gain_of_last(side, rest);
   add_cut(side, side_form, side_parts, rest_form, rest_parts, allowed, own, limit, skipped);
 }
 
-/// Appends a cut that loses `own_loss` itself, as offer_cut() says.
+/// Appends a cut that loses `own_loss` itself, as offer_cut() says. Both sides may be the one that
+/// waits where that makes a difference.
 template <std::size_t kWords>
 void AndOrSearch<kWords>::add_cut(const Set& side, const Set& side_form, std::size_t side_parts,
                                   const Set& rest_form, std::size_t rest_parts, std::size_t allowed,
                                   double own_loss, double limit, double& skipped) {
-  const auto add = [&](std::size_t side_allowed, std::size_t rest_allowed, bool side_waits) {
-    if ((side_allowed == 0 && side_parts > 1) || (rest_allowed == 0 && rest_parts > 1)) return;
+  const auto add = [&](bool side_waits) {
+    const auto [side_allowed, rest_allowed] =
+        allowed_to_halves(side_parts, rest_parts, allowed, side_waits);
+    if (side_parts > 1 && (side_allowed & kMostAllowed) == 0) return;
+    if (rest_parts > 1 && (rest_allowed & kMostAllowed) == 0) return;
     const double estimate = own_loss + known_loss(side_form, side_parts, side_allowed) +
                             known_loss(rest_form, rest_parts, rest_allowed);
     if (estimate > limit) {
@@ -82,12 +87,9 @@ void AndOrSearch<kWords>::add_cut(const Set& side, const Set& side_form, std::si
     cuts_.push_back({side, own_loss, estimate, order, side_waits});
     if (cuts_.size() * sizeof(Cut) > allowed_bytes_ / 2) run_is_over_ = true;
   };
-  if (limited_ && side_parts >= 2 && rest_parts >= 2) {
-    add(allowed - 1, allowed, false);
-    add(allowed, allowed - 1, true);
-  } else {
-    add(allowed, allowed, false);
-  }
+  add(false);
+  const bool completes = (allowed & kCompletes) != 0;
+  if ((limited_ || completes) && side_parts >= 2 && rest_parts >= 2) add(true);
 }
 
 /// Calls offer(side, parts) for every connected side of a wanted size, of at most half of the

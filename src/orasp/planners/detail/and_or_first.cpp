@@ -2,6 +2,32 @@
 
 namespace orasp::detail {
 
+namespace {
+
+/// Empty where all connections between two parts earn as much more as the last one.
+std::optional<LastSteps> last_steps(const TransitionSystem& system, Expander& expander) {
+  LastSteps steps;
+  double least_of_pairs = kInfinity;
+  double most_of_pairs = -kInfinity;
+  for (ConnectionIndex c = 0; c < system.num_connections(); ++c) {
+    const double surplus = expander.completion_surplus(c);
+    if (!std::isfinite(surplus)) return std::nullopt;
+    steps.surplus.push_back(surplus);
+    const auto [u, v] = system.problem().ends(c);
+    if (u == v) {
+      steps.most_of_loops = std::max(steps.most_of_loops, surplus);
+    } else {
+      least_of_pairs = std::min(least_of_pairs, surplus);
+      most_of_pairs = std::max(most_of_pairs, surplus);
+    }
+  }
+  if (!(most_of_pairs > least_of_pairs + kRewardTolerance)) return std::nullopt;
+  steps.most = std::max(steps.most_of_loops, most_of_pairs);
+  return steps;
+}
+
+}  // namespace
+
 PieceProblem::PieceProblem(const TransitionSystem& the_system,
                            std::shared_ptr<const PieceGains> the_gains)
     : system(the_system),
@@ -11,9 +37,13 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system,
       graph(the_system.problem()) {
   const SmallPieces& small = gains.prices().small_pieces();
   if (!small.near_rows().empty()) raised.emplace(small, system.problem().num_parts());
-  if (!system.completes_first() || !gains.known()) return;
-  FirstSteps& steps = first.emplace();
+  if (!gains.known()) return;
   Expander expander(system);
+  if (!system.completes_first()) {
+    last = last_steps(system, expander);
+    return;
+  }
+  FirstSteps& steps = first.emplace();
   const SetView start = system.start().view();
   const auto span = expander.legal_actions(start);
   const std::vector<Action> legal(span.begin(), span.end());
@@ -36,23 +66,24 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system,
   }
 }
 
-/// What a plan loses by its first step beside the losses of the pieces: the first step earns less
-/// than the greatest surplus, or its cut is not the best one of its piece. Exact where the search
+/// What a plan loses by the step that completes beside the `losses` of the pieces: this step earns
+/// less than the greatest surplus, or is not of the best cuts of its piece. Exact where the search
 /// does not have to stop, else a lower bound.
 template <std::size_t kWords>
-double AndOrSearch<kWords>::loss_of_first_step(const std::vector<Set>& pieces,
-                                               const std::vector<double>& losses,
-                                               std::size_t allowed) {
-  double least = first_->most - first_->most_without_cut;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const std::size_t parts = pieces[i].size();
-    scale_ = upper(form_of(pieces[i], parts), parts);
+double AndOrSearch<kWords>::loss_of_completing(const std::vector<double>& losses) {
+  double least = first_ ? first_->most - first_->most_without_cut
+                        : last_->most - last_->most_of_loops;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const std::size_t parts = pieces_[i].size();
+    const Set piece = form_of(pieces_[i], parts);
+    scale_ = upper(piece, parts);
     double limit = losses[i] + slack(scale_);
     double step = slack(scale_);
     while (true) {
       try_is_over_ = false;
       try_ends_at_ = std::numeric_limits<std::uint64_t>::max();
-      const double loss = search_first(pieces[i], parts, allowed, limit);
+      const double loss = first_ ? search_first(pieces_[i], parts, allowed_, limit)
+                                 : search(piece, parts, allowed_ | kCompletes, limit);
       if (result_.stop != Stop::None || run_is_over_) return 0;
       if (loss <= limit) least = std::min(least, loss - losses[i]);
       if (loss <= limit || loss - losses[i] >= least || loss == kInfinity) break;
@@ -129,46 +160,45 @@ auto AndOrSearch<kWords>::choose_first(bool dive) -> std::optional<First> {
 }
 
 /// Of the first steps that separate nothing one that takes no piece of the plan apart: it is among
-/// several connections between the sides of a cut, which all go for that cut anyway.
+/// several connections between the sides of a cut, which all go for that cut anyway, and another one
+/// is the best to go last.
 template <std::size_t kWords>
 ConnectionIndex AndOrSearch<kWords>::choose_without_cut(bool dive) {
+  const Steps untouched{ConnectionSet::all(problem_.num_connections()), {}};
   std::vector<Half> waiting;
   for (const Set& piece : pieces_) waiting.push_back({piece, piece.size(), allowed_});
   while (!waiting.empty()) {
     const Half piece = waiting.back();
     waiting.pop_back();
-    if (piece.parts < 3) continue;
+    if (piece.parts < 2) continue;
     const std::size_t allowed = limited_ ? useful(piece.allowed, piece.parts) : piece.allowed;
     const std::optional<Cut> cut = next_cut(piece.set, piece.parts, allowed, dive);
     if (!cut) continue;
     const std::array<Half, 2> sides = halves(piece.set, piece.parts, allowed, *cut);
-    std::size_t crossing = 0;
-    ConnectionIndex chosen = kNone;
+    std::vector<ConnectionIndex> crossing;
     for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
       const auto [u, v] = problem_.ends(c);
       if (!piece.set.contains(u) || !piece.set.contains(v) ||
           cut->side.contains(u) == cut->side.contains(v))
         continue;
-      ++crossing;
-      if (chosen == kNone && std::ranges::binary_search(first_->without_cut, c)) chosen = c;
+      crossing.push_back(c);
     }
-    if (crossing > 1 && chosen != kNone) return chosen;
+    const ConnectionIndex last = last_of_cut(*cut, sides[1].set, untouched, crossing, false);
+    for (const ConnectionIndex c : crossing) {
+      if (crossing.size() > 1 && c != last && std::ranges::binary_search(first_->without_cut, c))
+        return c;
+    }
     waiting.push_back(sides[0]);
     waiting.push_back(sides[1]);
   }
   return first_->without_cut.front();
 }
 
-template double AndOrSearch<1>::loss_of_first_step(const std::vector<Set>&,
-                                                   const std::vector<double>&, std::size_t);
-template double AndOrSearch<2>::loss_of_first_step(const std::vector<Set>&,
-                                                   const std::vector<double>&, std::size_t);
-template double AndOrSearch<4>::loss_of_first_step(const std::vector<Set>&,
-                                                   const std::vector<double>&, std::size_t);
-template double AndOrSearch<8>::loss_of_first_step(const std::vector<Set>&,
-                                                   const std::vector<double>&, std::size_t);
-template double AndOrSearch<16>::loss_of_first_step(const std::vector<Set>&,
-                                                    const std::vector<double>&, std::size_t);
+template double AndOrSearch<1>::loss_of_completing(const std::vector<double>&);
+template double AndOrSearch<2>::loss_of_completing(const std::vector<double>&);
+template double AndOrSearch<4>::loss_of_completing(const std::vector<double>&);
+template double AndOrSearch<8>::loss_of_completing(const std::vector<double>&);
+template double AndOrSearch<16>::loss_of_completing(const std::vector<double>&);
 template std::optional<AndOrSearch<1>::First> AndOrSearch<1>::choose_first(bool);
 template std::optional<AndOrSearch<2>::First> AndOrSearch<2>::choose_first(bool);
 template std::optional<AndOrSearch<4>::First> AndOrSearch<4>::choose_first(bool);

@@ -8,9 +8,11 @@ template <std::size_t kWords>
 double AndOrSearch<kWords>::first_loss(std::uint32_t number, std::size_t parts, double bound,
                                        double enough) {
   const Set piece = set_of(number);
-  const double by_hubs = loss_by_hubs(piece, parts, bound);
+  const bool completes = (memo_.key(number)[kWords] & kCompletes) != 0;
+  const double least = std::max(loss_by_hubs(piece, parts, bound),
+                                loss_by_cores(piece, parts, bound, completes));
   const SmallPieces& small = gains_.prices().small_pieces();
-  if (raised_ == nullptr || !small.priced(parts)) return by_hubs;
+  if (raised_ == nullptr || !small.priced(parts)) return least;
   // By how much the bound is above what the prices say that fit all pieces: negative where another
   // bound is closer. What the parts of this piece cost more is loss beyond that.
   list_parts(piece, parts_);
@@ -21,7 +23,7 @@ double AndOrSearch<kWords>::first_loss(std::uint32_t number, std::size_t parts, 
   if (depth > 0 && raises_[depth - 1].number != path_of_pieces_.back())
     raise_on_path(depth - 1, path_of_pieces_.back(), kInfinity);
   raise_on_path(depth, number, enough - above);
-  return std::max(by_hubs, above + raises_[depth].raise.sum());
+  return std::max(least, above + raises_[depth].raise.sum());
 }
 
 /// Fits prices to a piece at `depth`, by those of the nearest piece above it that is there.

@@ -57,9 +57,11 @@ void AndOrSearch<kWords>::peel_once(const Remainder& from, std::uint32_t number,
     const std::size_t off_parts = side_stays ? size - cut_parts : cut_parts;
     const bool rest_waits = side_stays ? cut.side_waits : !cut.side_waits;
     const bool one_waits = limited_ && off_parts >= 2 && size - off_parts >= 2;
-    if (off_parts > kMostPeeled || (one_waits && !rest_waits)) continue;
+    const bool off_is_first = one_waits || (last_ != nullptr && off_parts >= 2);
+    if (off_parts > kMostPeeled || (off_is_first && !rest_waits)) continue;
+    const std::size_t allowed = allowed_ & kMostAllowed;
     const double off_loss =
-        search(form_of(off, off_parts), off_parts, one_waits ? allowed_ - 1 : allowed_, kInfinity);
+        search(form_of(off, off_parts), off_parts, one_waits ? allowed - 1 : allowed, kInfinity);
     if (off_loss == kInfinity || result_.stop != Stop::None) continue;
     std::vector<Remainder>& there = by_size[size - off_parts];
     const Set left = from.piece - off;

@@ -12,15 +12,17 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
       lister_(pieces, forest_seed),
       links_(lister_.links()),
       first_(pieces.first ? &*pieces.first : nullptr),
+      last_(pieces.last ? &*pieces.last : nullptr),
       graph_(pieces.graph),
       budget_(budget),
       allowed_bytes_(allowed_bytes(budget)),
       result_(result),
       bounded_(lister_.bounded()),
       limited_(problem_.limits().max_subassemblies.has_value()),
-      stores_(!limited_ && bounded_ && !pieces.system.gain_by_sizes()),
+      stores_(!limited_ && bounded_ && last_ == nullptr && !pieces.system.gain_by_sizes()),
       raised_(pieces.raised ? &*pieces.raised : nullptr),
-      memo_(kWords + 1) {}
+      memo_(kWords + 1),
+      listed_core_parts_(pieces.most_core_parts) {}
 
 /// The pieces of the problem, and how many subassemblies there may be.
 template <std::size_t kWords>
@@ -37,6 +39,7 @@ void AndOrSearch<kWords>::find_pieces() {
   // so the order of the pieces matters under max_subassemblies. The bound must hold for every
   // order: it allows each piece as many subassemblies as if it were alone.
   allowed_ = std::min(problem_.limits().max_subassemblies.value_or(kMostAllowed), kMostAllowed);
+  if (last_ != nullptr && pieces_.size() == 1 && graph_.loops().empty()) allowed_ |= kCompletes;
 }
 
 template <std::size_t kWords>
@@ -44,9 +47,10 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   run_is_over_ = false;
   peeled_.clear();
   path_of_pieces_.clear();  // a formula without a value may have ended the run before this one
+  find_pieces();
+  find_cores();
   run_ends_at_ = result_.statistics.expanded + most_expansions;
   looks_end_at_ = looks_ + most_looks;
-  find_pieces();
   double most = 0;
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) most += gains_.own(c);
   if (problem_.num_connections() > 0) most += first_ ? first_->most : gains_.last_surplus();
@@ -66,8 +70,10 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
     result_.bound = most;
     if (most == -kInfinity || result_.stop != Stop::None || run_is_over_) break;
   }
-  if (first_ && most > -kInfinity && result_.stop == Stop::None && !run_is_over_)
-    result_.bound = most - loss_of_first_step(pieces_, losses, allowed_);
+  const bool other_piece_completes = last_ != nullptr && (allowed_ & kCompletes) == 0;
+  if ((first_ || other_piece_completes) && most > -kInfinity && result_.stop == Stop::None &&
+      !run_is_over_)
+    result_.bound = most - loss_of_completing(losses);
   result_.statistics.states = std::max<std::uint64_t>(result_.statistics.states, memo_.size());
   result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
   return result_.stop == Stop::None && !run_is_over_;
@@ -132,7 +138,7 @@ template <std::size_t kWords>
 double AndOrSearch<kWords>::search(const Set& piece, std::size_t parts, std::size_t allowed,
                                    double limit) {
   if (parts == 1) return 0;
-  if (allowed == 0) return kInfinity;
+  if ((allowed & kMostAllowed) == 0) return kInfinity;
   if (limited_) allowed = useful(allowed, parts);
   if (stores_) return search_stored(node_of(piece, parts), limit);
   const auto [number, is_new] = memo_.insert(key(piece, allowed).data());

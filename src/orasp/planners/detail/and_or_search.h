@@ -16,6 +16,7 @@
 
 #include "orasp/bounds/piece_gains.h"
 #include "orasp/bounds/raised_prices.h"
+#include "orasp/bounds/tree_merges.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/random.h"
@@ -45,7 +46,8 @@ namespace orasp::detail {
 /// The members stand in several files: and_or_search.cpp has the search, and_or_cuts.cpp the
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
 /// search takes too long, and_or_recut.cpp how a plan is made better, and_or_first.cpp what changes
-/// where the first step completes, and_or_hubs.cpp what is known of a piece before its cuts are
+/// where the first step completes, and_or_last.cpp where it matters which step is the last,
+/// and_or_cores.cpp what its last cuts lose, and_or_hubs.cpp what is known of a piece before its cuts are
 /// looked at, by its hubs and by prices of its own, and_or_stored.cpp the search where the cuts of
 /// a piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
 template <std::size_t kWords>
@@ -108,6 +110,9 @@ class AndOrSearch {
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::size_t kMostAllowed = 63;
+  /// Stands beside the subassemblies allowed to a piece, as a bit above them: the last step of all
+  /// is one of its cuts.
+  static constexpr std::size_t kCompletes = kMostAllowed + 1;
   /// peel() takes sides of at most this many parts off a piece.
   static constexpr std::size_t kMostPeeled = 3;
 
@@ -121,7 +126,8 @@ class AndOrSearch {
     double estimate;
     /// The place among cuts of the same estimate.
     std::uint64_t order;
-    /// Whether the rest is finished first, while the side waits; else the other way round.
+    /// Whether the rest is finished first, while the side waits; else the other way round. The one
+    /// that waits has the last step, where the piece has it.
     bool side_waits;
   };
   /// A cut as it is kept: the numbers of its sides in memo_.
@@ -170,7 +176,8 @@ class AndOrSearch {
     ConnectionSet open;
     std::vector<ConnectionIndex> taken;
   };
-  /// One side of a cut, with how many subassemblies it may be at a time.
+  /// One side of a cut, with how many subassemblies it may be at a time, and whether it has the
+  /// last step (kCompletes).
   struct Half {
     Set set;
     std::size_t parts;
@@ -186,12 +193,37 @@ class AndOrSearch {
     std::optional<Cut> cut;
     double loss;
   };
-  double loss_of_first_step(const std::vector<Set>& pieces, const std::vector<double>& losses,
-                            std::size_t allowed);
+  double loss_of_completing(const std::vector<double>& losses);
   double search_first(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   double list_first_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   [[nodiscard]] std::optional<First> choose_first(bool dive);
   [[nodiscard]] ConnectionIndex choose_without_cut(bool dive);
+
+  // and_or_cores.cpp
+  /// A core, with by how much its gain stays below the bound by sizes, and by how much even where
+  /// every connection of its least spanning tree is one that a larger piece has no use for.
+  struct Core {
+    Set set;
+    double cost;
+    double least;
+  };
+  static constexpr std::size_t kLeastCoreParts = 3;
+  static constexpr std::size_t kMostCoresPerPart = 64;
+  void find_cores();
+  [[nodiscard]] std::vector<std::vector<Set>> list_small_sets() const;
+  [[nodiscard]] double loss_of_cut_to_core(std::size_t parts, std::size_t most_parts) const;
+  void add_core(const Set& set, std::size_t parts, double loss_before, bool completes);
+  /// What a cut loses by sizes, `moved` <= `kept`.
+  [[nodiscard]] double loss_by_sizes(std::size_t moved, std::size_t kept) const {
+    return gains_.by_size(moved + kept) - gains_.gain(moved, kept) - gains_.by_size(moved) -
+           gains_.by_size(kept);
+  }
+  void measure_loss_off_core();
+  double loss_by_cores(const Set& piece, std::size_t parts, double bound, bool completes);
+
+  // and_or_last.cpp
+  double gain_of_last(const Set& side, const Set& rest);
+  std::optional<std::size_t> piece_that_completes();
 
   // and_or_search.cpp
   void find_pieces();
@@ -313,13 +345,14 @@ class AndOrSearch {
 
   // and_or_sequence.cpp
   bool take(ConnectionIndex connection, Steps& steps);
-  void take_loops(Steps& steps);
+  void take_loops(Steps& steps, bool completes);
   bool take_all(std::vector<ConnectionIndex>& needed, ConnectionIndex last, Steps& steps);
   [[nodiscard]] std::optional<Cut> next_cut(const Set& piece, std::size_t parts,
                                             std::size_t allowed, bool dive);
   [[nodiscard]] ConnectionIndex last_of_cut(const Cut& cut, const Set& rest, const Steps& steps,
-                                            const std::vector<ConnectionIndex>& crossing);
-  bool take_cut(const Cut& cut, const Set& rest, Steps& steps);
+                                            const std::vector<ConnectionIndex>& crossing,
+                                            bool completes);
+  bool take_cut(const Cut& cut, const Set& rest, Steps& steps, bool completes);
 
   /// The bound g of a piece, and what it counts for the connections at which the piece is cut.
   [[nodiscard]] double upper(const Set& set, std::size_t parts) {
@@ -328,20 +361,33 @@ class AndOrSearch {
   [[nodiscard]] double tree(const Set& set) { return lister_.tree(set); }
 
   /// How many of the subassemblies that are allowed a piece can make use of: n parts never need
-  /// more than floor(log2 n) at a time.
+  /// more than floor(log2 n) at a time, and one more where the side with the last step has to wait.
   [[nodiscard]] static std::size_t useful(std::size_t allowed, std::size_t parts) {
-    return std::min(allowed, static_cast<std::size_t>(std::bit_width(parts)) - 1);
+    const std::size_t completes = allowed & kCompletes;
+    const auto needed = static_cast<std::size_t>(std::bit_width(parts)) - (completes != 0 ? 0 : 1);
+    return std::min(allowed & kMostAllowed, needed) | completes;
   }
-  /// The two sides of a cut of a piece, `side` first. Within max_subassemblies, the side that waits
-  /// takes one from what is allowed to the other.
+  /// What is allowed to the two sides of a cut, `side` first. Within max_subassemblies, the side
+  /// that waits takes one from what is allowed to the other.
+  [[nodiscard]] std::array<std::size_t, 2> allowed_to_halves(std::size_t side_parts,
+                                                             std::size_t rest_parts,
+                                                             std::size_t allowed,
+                                                             bool side_waits) const {
+    const std::size_t of_first = allowed & kMostAllowed;
+    if (side_parts == 1) return {of_first, allowed};
+    if (rest_parts == 1) return {allowed, of_first};
+    const std::size_t beside_one = limited_ ? of_first - 1 : of_first;
+    if (side_waits) return {allowed, beside_one};
+    return {beside_one, allowed};
+  }
+  /// The two sides of a cut of a piece, `side` first.
   [[nodiscard]] std::array<Half, 2> halves(const Set& piece, std::size_t parts, std::size_t allowed,
                                            const Cut& cut) const {
     const std::size_t side_parts = cut.side.size();
     const std::size_t rest_parts = parts - side_parts;
-    const bool one_waits = limited_ && side_parts >= 2 && rest_parts >= 2;
-    return {
-        Half{cut.side, side_parts, one_waits && !cut.side_waits ? allowed - 1 : allowed},
-        Half{piece - cut.side, rest_parts, one_waits && cut.side_waits ? allowed - 1 : allowed}};
+    const auto [of_side, of_rest] =
+        allowed_to_halves(side_parts, rest_parts, allowed, cut.side_waits);
+    return {Half{cut.side, side_parts, of_side}, Half{piece - cut.side, rest_parts, of_rest}};
   }
 
   /// The piece that stands for one: without symmetry that one itself.
@@ -366,7 +412,7 @@ class AndOrSearch {
                                                           std::size_t allowed) const {
     std::array<std::uint64_t, kWords + 1> result{};
     std::ranges::copy(set.words, result.begin());
-    result[kWords] = limited_ ? useful(allowed, set.size()) : 0;
+    result[kWords] = limited_ ? useful(allowed, set.size()) : allowed & kCompletes;
     return result;
   }
   [[nodiscard]] double unknown_loss() const { return bounded_ ? 0 : -kInfinity; }
@@ -411,6 +457,8 @@ class AndOrSearch {
   const PartLinks<kWords>& links_;
   /// Null where the last step completes.
   const FirstSteps* first_;
+  /// Null where it makes no difference which step is the last.
+  const LastSteps* last_;
   const AssemblyGraph& graph_;
   const Budget& budget_;
   std::uint64_t allowed_bytes_;
@@ -469,6 +517,16 @@ class AndOrSearch {
   /// by_reach(), by reach and parts, as far as it was asked for.
   std::vector<std::vector<double>> by_reach_;
 
+  /// Cores, and cores that the last step of all is a cut of; the most parts of one, 0 where none
+  /// are known.
+  bool cores_known_ = false;
+  std::array<std::vector<Core>, 2> cores_;
+  const std::size_t listed_core_parts_;
+  std::size_t most_core_parts_ = 0;
+  std::vector<double> loss_off_core_;
+  TreeMerges merges_;
+  std::vector<PartIndex> core_parts_;
+
   Deepening deepening_;
   /// The bound of the piece that solve() is at: rounding errors are measured by its size.
   double scale_ = 0;
@@ -486,7 +544,8 @@ class AndOrSearch {
   bool try_is_over_ = false;
   bool run_is_over_ = false;
 
-  /// The pieces of the problem, and the subassemblies allowed.
+  /// The pieces of the problem, and the subassemblies allowed; with kCompletes where the last step
+  /// can be of no other piece.
   std::vector<Set> pieces_;
   std::size_t allowed_ = 0;
   /// Whether list_cuts() may leave out cuts that peel() has no use for.

@@ -44,38 +44,41 @@ bool AndOrSearch<kWords>::take(ConnectionIndex connection, Steps& steps) {
   return true;
 }
 
-/// Takes connections of a part to itself. The connection that earns most as the last step of all is
-/// left to the end, whether it is one of these or joins two parts.
+/// Takes connections of a part to itself. Those that earn most as the last step of all are left to
+/// the end, unless a connection between two parts earns more there, or is chosen for it: `completes`.
 template <std::size_t kWords>
-void AndOrSearch<kWords>::take_loops(Steps& steps) {
-  if (first_) {
+void AndOrSearch<kWords>::take_loops(Steps& steps, bool completes) {
+  if (first_ || completes) {
     for (const ConnectionIndex c : graph_.loops()) static_cast<void>(take(c, steps));
     return;
   }
-  double best_last = -kInfinity;
-  for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c)
+  double best_last = last_ != nullptr ? last_->most_of_loops : -kInfinity;
+  for (ConnectionIndex c = 0; c < problem_.num_connections() && last_ == nullptr; ++c)
     best_last = std::max(best_last, lister_.expander().completion_surplus(c));
   for (const ConnectionIndex c : graph_.loops()) {
     if (lister_.expander().completion_surplus(c) < best_last) static_cast<void>(take(c, steps));
   }
 }
 
-/// Of the connections between the two sides of a cut the one that gains most when it goes last;
-/// kNone where that makes no difference.
+/// Of the connections between the two sides of a cut the one that gains most when it goes last, or,
+/// where the cut `completes`, as the last step of all; kNone where that makes no difference.
 template <std::size_t kWords>
 ConnectionIndex AndOrSearch<kWords>::last_of_cut(const Cut& cut, const Set& rest,
                                                  const Steps& steps,
-                                                 const std::vector<ConnectionIndex>& crossing) {
+                                                 const std::vector<ConnectionIndex>& crossing,
+                                                 bool completes) {
   ConnectionIndex last = kNone;
-  if (!lister_.by_connection()) return last;
+  if (!lister_.by_connection() && !completes) return last;
   double best = -kInfinity;
   std::vector<ConnectionIndex> open;
   for (const ConnectionIndex c : crossing)
     if (steps.open.contains(c)) open.push_back(c);
   lister_.gains_as_last(cut.side, rest, open,
                         [&](ConnectionIndex c, const std::optional<double>& gain) {
-                          if (!gain || *gain <= best) return;
-                          best = *gain;
+                          if (!gain) return;
+                          const double all = *gain + (completes ? last_->surplus[c] : 0);
+                          if (all <= best) return;
+                          best = all;
                           last = c;
                         });
   return last;
@@ -102,9 +105,9 @@ bool AndOrSearch<kWords>::take_all(std::vector<ConnectionIndex>& needed, Connect
 }
 
 /// Takes the steps of a cut: every connection between the sides, and what must precede them. All
-/// but the last separate nothing.
+/// but the last separate nothing. `completes`: whether that is the last step of all.
 template <std::size_t kWords>
-bool AndOrSearch<kWords>::take_cut(const Cut& cut, const Set& rest, Steps& steps) {
+bool AndOrSearch<kWords>::take_cut(const Cut& cut, const Set& rest, Steps& steps, bool completes) {
   std::vector<ConnectionIndex> needed;
   gone_.assign(problem_.num_connections(), 0);
   for (ConnectionIndex c = 0; c < problem_.num_connections(); ++c) {
@@ -114,7 +117,7 @@ bool AndOrSearch<kWords>::take_cut(const Cut& cut, const Set& rest, Steps& steps
       needed.push_back(c);
     }
   }
-  const ConnectionIndex last = last_of_cut(cut, rest, steps, needed);
+  const ConnectionIndex last = last_of_cut(cut, rest, steps, needed, completes);
   if (!links_.precedence.empty()) {
     const std::size_t crossing = needed.size();
     for (std::size_t i = 0; i < crossing; ++i) {
@@ -137,15 +140,18 @@ std::vector<ConnectionIndex> AndOrSearch<kWords>::sequence(bool dive) {
     first = choose_first(dive);
     if (!first || !take(first->connection, steps)) return {};
   }
-  take_loops(steps);
+  const std::optional<std::size_t> last_piece = piece_that_completes();
+  take_loops(steps, last_piece.has_value());
   // The pieces that are still to be taken apart, one after the other; the last one is at hand.
   std::vector<Half> waiting;
   const auto wait_for = [&](const std::array<Half, 2>& sides, const Cut& cut) {
     waiting.push_back(sides[cut.side_waits ? 0 : 1]);
     waiting.push_back(sides[cut.side_waits ? 1 : 0]);
   };
+  if (last_piece)
+    waiting.push_back({pieces_[*last_piece], pieces_[*last_piece].size(), allowed_ | kCompletes});
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    if (first && first->cut && i == first->piece) continue;
+    if ((first && first->cut && i == first->piece) || i == last_piece) continue;
     waiting.push_back({pieces_[i], pieces_[i].size(), allowed_});
   }
   if (first && first->cut) {
@@ -161,7 +167,8 @@ std::vector<ConnectionIndex> AndOrSearch<kWords>::sequence(bool dive) {
     const std::optional<Cut> cut = next_cut(piece.set, piece.parts, allowed, dive);
     if (!cut) return {};
     const std::array<Half, 2> sides = halves(piece.set, piece.parts, allowed, *cut);
-    if (!take_cut(*cut, sides[1].set, steps)) return {};
+    const bool completes = (allowed & kCompletes) != 0 && piece.parts == 2;
+    if (!take_cut(*cut, sides[1].set, steps, completes)) return {};
     wait_for(sides, *cut);
   }
   // What is left are connections of a part to itself, and those that only precedence held back.

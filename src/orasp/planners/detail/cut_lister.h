@@ -79,6 +79,7 @@ class CutLister {
   [[nodiscard]] double upper(const Set& set, std::size_t parts);
   /// What the bound of a piece counts for the connections at which it is cut.
   [[nodiscard]] double tree(const Set& set);
+  [[nodiscard]] CutTrees& trees() { return trees_; }
 
   /// What the cut of a piece into `side` and `rest` gains at best; empty where it cannot be legal.
   /// `free`: whether one side is known to leave the other along some direction.

@@ -27,6 +27,14 @@ struct FirstSteps {
   std::vector<Cut> cuts;
 };
 
+/// Where the last step completes, and how much more it then earns depends on which connection it
+/// takes: where attempts are repeated until they succeed, or by a formula.
+struct LastSteps {
+  std::vector<double> surplus;        ///< by connection
+  double most = -kInfinity;           ///< the greatest of all
+  double most_of_loops = -kInfinity;  ///< the greatest of the connections of a part with itself
+};
+
 /// What all searches of one problem share; none of them changes it.
 struct PieceProblem {
   /// With `the_gains` of the system, or null where they are not known yet.
@@ -37,7 +45,10 @@ struct PieceProblem {
   const PieceGains& gains;
   AssemblyGraph graph;
   std::optional<FirstSteps> first;
+  std::optional<LastSteps> last;
   std::optional<RaisedPrices> raised;  ///< where the bound of pieces is by prices
+  /// The most parts of a core (AndOrSearch::find_cores).
+  std::size_t most_core_parts = 6;
 };
 
 }  // namespace orasp::detail
