@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -31,19 +32,26 @@ Objective some_objective(SplitMix64& random) {
       for (std::size_t size = 1; size <= 4; ++size) costs.pieces[size] = random.uniform();
       return {"piece_cost", costs};
     }
-    default: return Objective::named("cubesat");
+    case 4:
+      return random.below(2) == 0 ? Objective::named("completion")
+                                  : formula("separates*kept_parts/3 + completes");
+    default:
+      constexpr std::array<const char*, 4> kNames = {"time", "travel", "cubesat", "cubesat_zone"};
+      return Objective::named(kNames[random.below(kNames.size())]);
   }
 }
 
 /// A product of 7 to 11 parts where each connection has a chance of its own, in one piece or two.
 ProblemSpec product(std::uint64_t seed) {
   SplitMix64 random(seed);
+  SplitMix64 places(~seed);
   ProblemSpec spec;
   spec.name = "p" + std::to_string(seed);
   const std::size_t parts = 7 + random.below(5);
   for (std::size_t p = 0; p < parts; ++p) {
     Part part;
     part.id = std::string(1, static_cast<char>('a' + p));
+    part.position = Vector3{places.uniform() - 0.5, places.uniform() - 0.5, places.uniform() - 0.5};
     spec.parts.push_back(part);
   }
   const auto join = [&](std::size_t a, std::size_t b) {
@@ -81,12 +89,12 @@ ProblemSpec product(std::uint64_t seed) {
 }
 
 // Where connections differ, the last cuts of a piece and the last step of all weigh more than
-// others. The best plan is found all the same, at once and in runs that begin with a few expansions,
-// with cores of any size, and no bound on the way is below the truth.
+// others. The best plan is found all the same, at once and in runs that begin with a few
+// expansions, with cores of any size, and no bound on the way is below the truth.
 TEST(AndOr, FindsTheBestPlanWhereConnectionsDiffer) {
   std::size_t solved = 0;
   std::size_t last_matters = 0;
-  // Among the first ones: a loop that is the best last step though a pair would earn more there, and
+  // The first ones have a loop that is the best last step though a pair would earn more there, and
   // a side that has to wait for its last step while the other one needs all that may lie about.
   std::vector<std::uint64_t> seeds{5004, 7558};
   for (std::uint64_t seed = 0; seed < some_of(3000U); ++seed) seeds.push_back(seed);
@@ -140,11 +148,11 @@ TEST(AndOr, FindsTheBestPlanWhereConnectionsDiffer) {
     }
   }
   EXPECT_GE(solved, least_of(2500U));
-  EXPECT_GE(last_matters, least_of(1500U));
+  EXPECT_GE(last_matters, least_of(1400U));
 }
 
-// The last step joins nothing: a second connection between two pieces that are joined before, by the
-// one that costs least there.
+// The last step joins nothing: a second connection between two pieces that are joined before, by
+// the one that costs least there.
 TEST(AndOr, EndsAnAssemblyWithAConnectionThatNoCutNeeds) {
   const Problem problem = attempts_paid(Problem(product(24)));
   const TransitionSystem system(problem);

@@ -31,7 +31,7 @@ class RetriedTerm : public ObjectiveTerm {
     }
     sees.sizes_only = sees.gain_by_sizes = sees.moving_more_costs_more = false;
     sees.gain_by_connection = true;
-    if (sees.piece_only && parts > 1) shared_ = -once_->greatest_gain(1, 1, parts - 1);
+    if (sees.piece_only && parts > 1) shared_ = once_->greatest_gain(1, 1, parts - 1);
     if (!std::isfinite(shared_)) shared_ = 0;
   }
 
@@ -81,22 +81,28 @@ class RetriedTerm : public ObjectiveTerm {
   }
 
   void add_extra_costs(double weight, std::span<double> costs) const override {
+    const double shared = weight * shared_;
     for (std::size_t c = 0; c < costs.size(); ++c)
-      costs[c] += (attempts_[c] - least_) * shared_loss(weight);
+      costs[c] += (attempts_[c] - best(shared)) * -shared;
   }
 
  private:
-  /// Where all cuts lose about the same, `shared`, a cut at c loses (k(c) - k) * shared more than
-  /// one at the connection of the least factor k. The rest of what it gains is at most
+  /// Let all cuts gain about the same, what taking one part off all others does: `shared`. Where
+  /// that is a loss the least factor of all connections is the best one, else the greatest; let it
+  /// be b. A cut at c, of factor k(c), gains (b - k(c)) * shared less than one of factor b. The
+  /// rest of what it gains is at most
   ///
-  ///     k(c) * gain + (k(c) - k) * shared  <=  k * gain + (K - k) * max(0, gain + shared),
+  ///     k(c) * gain + (b - k(c)) * shared  =  b * gain + (k(c) - b) * (gain - shared)
+  ///                                       <=  b * gain + (K - k) * max(0, +-(gain - shared)),
   ///
-  /// K the greatest factor, whatever the connection is.
+  /// K the greatest and k the least factor, + where b = k and - where b = K, whatever the
+  /// connection is.
   [[nodiscard]] double most_of(double weight, double gain) const {
-    return least_ * gain + (most_ - least_) * std::max(0.0, gain + shared_loss(weight));
+    const double shared = weight * shared_;
+    const double above = shared > 0 ? shared - gain : gain - shared;
+    return best(shared) * gain + (most_ - least_) * std::max(0.0, above);
   }
-  /// What taking one part off all others loses.
-  [[nodiscard]] double shared_loss(double weight) const { return std::max(0.0, weight * shared_); }
+  [[nodiscard]] double best(double shared) const { return shared > 0 ? most_ : least_; }
 
   [[nodiscard]] SizeCosts scaled(SizeCosts costs) const {
     for (double& reward : costs.last) reward *= most_;

@@ -71,8 +71,8 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system,
 /// does not have to stop, else a lower bound.
 template <std::size_t kWords>
 double AndOrSearch<kWords>::loss_of_completing(const std::vector<double>& losses) {
-  double least = first_ ? first_->most - first_->most_without_cut
-                        : last_->most - last_->most_of_loops;
+  double least =
+      first_ ? first_->most - first_->most_without_cut : last_->most - last_->most_of_loops;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const std::size_t parts = pieces_[i].size();
     const Set piece = form_of(pieces_[i], parts);
@@ -160,8 +160,8 @@ auto AndOrSearch<kWords>::choose_first(bool dive) -> std::optional<First> {
 }
 
 /// Of the first steps that separate nothing one that takes no piece of the plan apart: it is among
-/// several connections between the sides of a cut, which all go for that cut anyway, and another one
-/// is the best to go last.
+/// several connections between the sides of a cut, which all go for that cut anyway, and another
+/// one is the best to go last.
 template <std::size_t kWords>
 ConnectionIndex AndOrSearch<kWords>::choose_without_cut(bool dive) {
   const Steps untouched{ConnectionSet::all(problem_.num_connections()), {}};

@@ -47,9 +47,9 @@ namespace orasp::detail {
 /// listing of the cuts of a piece, and_or_peel.cpp the search for a good plan where the whole
 /// search takes too long, and_or_recut.cpp how a plan is made better, and_or_first.cpp what changes
 /// where the first step completes, and_or_last.cpp where it matters which step is the last,
-/// and_or_cores.cpp what its last cuts lose, and_or_hubs.cpp what is known of a piece before its cuts are
-/// looked at, by its hubs and by prices of its own, and_or_stored.cpp the search where the cuts of
-/// a piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
+/// and_or_hubs.cpp what is known of a piece before its cuts are looked at, by hubs and by prices
+/// of its own, and_or_cores.cpp the same by its last cuts, and_or_stored.cpp the search where the
+/// cuts of a piece are listed once and kept, and_or_sequence.cpp the steps of a plan.
 template <std::size_t kWords>
 class AndOrSearch {
  public:

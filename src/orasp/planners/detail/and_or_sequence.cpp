@@ -45,7 +45,8 @@ bool AndOrSearch<kWords>::take(ConnectionIndex connection, Steps& steps) {
 }
 
 /// Takes connections of a part to itself. Those that earn most as the last step of all are left to
-/// the end, unless a connection between two parts earns more there, or is chosen for it: `completes`.
+/// the end, unless a connection between two parts earns more there or is chosen for it, which
+/// `completes`.
 template <std::size_t kWords>
 void AndOrSearch<kWords>::take_loops(Steps& steps, bool completes) {
   if (first_ || completes) {
