@@ -63,10 +63,12 @@ class AndOrRounds {
       if (all_cuts_.has_plan() && all_cuts_.reward > best_.reward) keep_plan(all_cuts_);
       if (!done && all_cuts_.stop == Stop::None) dive();
       const bool all_kept = search_.keeps_all_cuts();
-      if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_)
+      const bool may_peel = parts <= kMostPeeledParts || !search_.knows_cores();
+      if (!proved() && !done && all_cuts_.stop == Stop::None && peeling_pays_ && may_peel)
         peel(kFirstWidth * longer);
       Stop stop = all_cuts_.stop;
-      if (!proved() && !done && stop == Stop::None && !all_kept && !pieces_.graph.is_forest())
+      if (!proved() && !done && stop == Stop::None && !all_kept && may_peel &&
+          !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
       if (!proved() && !done && stop == Stop::None && !recut_) recut();
       if (!done && !proved() && stop == Stop::None) {
@@ -85,6 +87,9 @@ class AndOrRounds {
   }
 
  private:
+  /// Where cores are known, larger problems are not peeled nor searched along forests: each cut
+  /// takes a spanning tree to look at, and the search goes straight to a plan by itself.
+  static constexpr std::uint64_t kMostPeeledParts = 128;
   /// Looks at cuts while a plan is made better, at first; some hundredths of a second.
   static constexpr std::uint64_t kRecutLooks = 200'000;
 

@@ -22,7 +22,7 @@ namespace orasp::detail {
 ///             side, which then has two parts or more. What that loses by sizes alone stands in
 ///             loss_off_core_.
 /// Cost.       Some microseconds a core once, and for each piece the ways from the parts of a core
-///             up a tree (TreeMerges) for each core that promises more than what was found.
+///             up a tree (PieceTree) for each core that promises more than what was found.
 template <std::size_t kWords>
 void AndOrSearch<kWords>::find_cores() {
   if (cores_known_) return;
@@ -53,7 +53,7 @@ void AndOrSearch<kWords>::find_cores() {
 /// The connected sets of parts, by size from 1 on, up to the size of which there are too many.
 template <std::size_t kWords>
 auto AndOrSearch<kWords>::list_small_sets() const -> std::vector<std::vector<Set>> {
-  const std::size_t most_sets = kMostCoresPerPart * problem_.num_parts();
+  const std::size_t most_sets = std::min(kMostCores, kMostCoresPerPart * problem_.num_parts());
   std::vector<std::vector<Set>> by_size(2);
   for (const Set& piece : pieces_) {
     piece.for_each([&](std::size_t part) {
@@ -125,25 +125,22 @@ template <std::size_t kWords>
 double AndOrSearch<kWords>::loss_by_cores(const Set& piece, std::size_t parts, double bound,
                                           bool completes) {
   if (most_core_parts_ == 0 || parts <= most_core_parts_) return unknown_loss();
-  list_parts(piece, parts_);
-  CutTrees& trees = lister_.trees();
-  merges_.build(trees, parts_);
-  double least = kInfinity;
+  const double tree_here = build_tree(piece);
   const auto look_at_cores = [&](const std::vector<Core>& cores) {
     double found = kInfinity;
     for (const Core& core : cores) {
       if (core.least >= found) break;
       if (!(core.set - piece).empty()) continue;
       list_parts(core.set, core_parts_);
-      found = std::min(found, core.cost - merges_.saved(core_parts_));
+      found = std::min(found, core.cost - piece_tree_.saved(core_parts_));
     }
     return found;
   };
-  least = look_at_cores(cores_[0]);
+  double least = look_at_cores(cores_[0]);
   if (completes) least = std::min(least + loss_off_core_[parts], look_at_cores(cores_[1]));
   // By how much sizes and the tree alone are above the bound. What is found is often the loss
   // itself: it is not rounded down, so that the limit above it has room for what sums are off.
-  const double above = gains_.by_size(parts) - tree(piece) - bound;
+  const double above = gains_.by_size(parts) - tree_here - bound;
   return std::max(unknown_loss(), least - above);
 }
 

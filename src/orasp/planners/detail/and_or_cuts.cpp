@@ -7,9 +7,10 @@ namespace orasp::detail {
 template <std::size_t kWords>
 double AndOrSearch<kWords>::list_cuts(const Set& piece, std::size_t parts, std::size_t allowed,
                                       double limit) {
-  const double here = upper(piece, parts);
   double skipped = kInfinity;
-  std::size_t largest = mark_wanted_sizes(parts, here + tree(piece), limit, skipped);
+  const double without_tree = lister_.upper_without_tree(piece, parts);
+  const double here = without_tree - build_tree(piece);
+  std::size_t largest = mark_wanted_sizes(parts, without_tree, limit, skipped);
   if (peeling_ && !links_.along_forest) largest = std::min(largest, kMostPeeled);
   if (largest == 0) return skipped;
   const auto offer = [&](const Set& side, std::size_t side_parts) {
@@ -61,9 +62,35 @@ void AndOrSearch<kWords>::offer_cut(const Set& piece, std::size_t parts, std::si
   if (!gain) return;
   const Set side_form = form_of(side, side_parts);
   const Set rest_form = form_of(rest, rest_parts);
-  double own = here - *gain - upper(side_form, side_parts) - upper(rest_form, rest_parts);
+  double own = here - *gain - uppers(side_form, side_parts, rest_form, rest_parts);
   if ((allowed & kCompletes) != 0 && parts == 2) own += *gain - gain_of_last(side, rest);
   add_cut(side, side_form, side_parts, rest_form, rest_parts, allowed, own, limit, skipped);
+}
+
+/// Makes piece_tree_ that of `piece`. @returns what it costs.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::build_tree(const Set& piece) {
+  if (!lister_.sees_trees()) return 0;
+  list_parts(piece, parts_);
+  piece_tree_.build(lister_.trees(), parts_);
+  return piece_tree_.cost();
+}
+
+/// The bounds of both sides of a cut of the piece that piece_tree_ is of.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::uppers(const Set& side, std::size_t side_parts, const Set& rest,
+                                   std::size_t rest_parts) {
+  if (lister_.sees_trees() && !form_) {
+    const Set& smaller = side_parts <= rest_parts ? side : rest;
+    list_parts(smaller, parts_);
+    const std::optional<double> crossing =
+        piece_tree_.only_crossing(parts_, [&](PartIndex part) { return smaller.contains(part); });
+    if (crossing) {
+      return lister_.upper_without_tree(side, side_parts) +
+             lister_.upper_without_tree(rest, rest_parts) - (piece_tree_.cost() - *crossing);
+    }
+  }
+  return upper(side, side_parts) + upper(rest, rest_parts);
 }
 
 /// Appends a cut that loses `own_loss` itself, as offer_cut() says. Both sides may be the one that
@@ -177,18 +204,28 @@ auto AndOrSearch<kWords>::flood(const Set& within, std::size_t start) const -> S
   return reached;
 }
 
+template double AndOrSearch<1>::build_tree(const Set&);
+template double AndOrSearch<1>::uppers(const Set&, std::size_t, const Set&, std::size_t);
 template double AndOrSearch<1>::list_cuts(const Set&, std::size_t, std::size_t, double);
 template void AndOrSearch<1>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
                                       std::size_t, double, double, double&);
+template double AndOrSearch<2>::build_tree(const Set&);
+template double AndOrSearch<2>::uppers(const Set&, std::size_t, const Set&, std::size_t);
 template double AndOrSearch<2>::list_cuts(const Set&, std::size_t, std::size_t, double);
 template void AndOrSearch<2>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
                                       std::size_t, double, double, double&);
+template double AndOrSearch<4>::build_tree(const Set&);
+template double AndOrSearch<4>::uppers(const Set&, std::size_t, const Set&, std::size_t);
 template double AndOrSearch<4>::list_cuts(const Set&, std::size_t, std::size_t, double);
 template void AndOrSearch<4>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
                                       std::size_t, double, double, double&);
+template double AndOrSearch<8>::build_tree(const Set&);
+template double AndOrSearch<8>::uppers(const Set&, std::size_t, const Set&, std::size_t);
 template double AndOrSearch<8>::list_cuts(const Set&, std::size_t, std::size_t, double);
 template void AndOrSearch<8>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
                                       std::size_t, double, double, double&);
+template double AndOrSearch<16>::build_tree(const Set&);
+template double AndOrSearch<16>::uppers(const Set&, std::size_t, const Set&, std::size_t);
 template double AndOrSearch<16>::list_cuts(const Set&, std::size_t, std::size_t, double);
 template void AndOrSearch<16>::add_cut(const Set&, const Set&, std::size_t, const Set&, std::size_t,
                                        std::size_t, double, double, double&);

@@ -112,6 +112,7 @@ template <std::size_t kWords>
 double AndOrSearch<kWords>::list_first_cuts(const Set& piece, std::size_t parts,
                                             std::size_t allowed, double limit) {
   const double here = upper(form_of(piece, parts), parts) + first_->most;
+  static_cast<void>(build_tree(piece));
   double skipped = kInfinity;
   for (const FirstSteps::Cut& cut : first_->cuts) {
     if (!piece.contains(cut.a.front())) continue;
@@ -121,8 +122,8 @@ double AndOrSearch<kWords>::list_first_cuts(const Set& piece, std::size_t parts,
     const std::size_t rest_parts = parts - cut.a.size();
     const Set side_form = form_of(side, cut.a.size());
     const Set rest_form = form_of(rest, rest_parts);
-    const double own = here - cut.gain - cut.surplus - upper(side_form, cut.a.size()) -
-                       upper(rest_form, rest_parts);
+    const double own =
+        here - cut.gain - cut.surplus - uppers(side_form, cut.a.size(), rest_form, rest_parts);
     add_cut(side, side_form, cut.a.size(), rest_form, rest_parts, allowed, own, limit, skipped);
   }
   return skipped;

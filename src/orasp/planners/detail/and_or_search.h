@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "orasp/bounds/piece_gains.h"
+#include "orasp/bounds/piece_tree.h"
 #include "orasp/bounds/raised_prices.h"
-#include "orasp/bounds/tree_merges.h"
 #include "orasp/containers/growing_array.h"
 #include "orasp/containers/state_table.h"
 #include "orasp/model/random.h"
@@ -102,6 +102,9 @@ class AndOrSearch {
   [[nodiscard]] bool keeps_cuts() const { return stores_; }
   /// Whether those of the whole pieces are few enough. Only after run().
   [[nodiscard]] bool keeps_all_cuts() const;
+
+  /// Whether what the last cuts of pieces lose is known beforehand. Only after run().
+  [[nodiscard]] bool knows_cores() const { return most_core_parts_ > 0; }
 
   /// Carries the trees of cuts out as legal steps; empty where that is not possible. With `dive`, a
   /// piece that is not solved is cut where the cut promises most. Only after run().
@@ -208,7 +211,10 @@ class AndOrSearch {
     double least;
   };
   static constexpr std::size_t kLeastCoreParts = 3;
+  /// Sets of so many parts, or more, are no cores where there are more of them than this, for each
+  /// part of the problem and at all.
   static constexpr std::size_t kMostCoresPerPart = 64;
+  static constexpr std::size_t kMostCores = 12'000;
   void find_cores();
   [[nodiscard]] std::vector<std::vector<Set>> list_small_sets() const;
   [[nodiscard]] double loss_of_cut_to_core(std::size_t parts, std::size_t most_parts) const;
@@ -285,6 +291,8 @@ class AndOrSearch {
   // and_or_cuts.cpp
   double list_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   std::size_t mark_wanted_sizes(std::size_t parts, double here, double limit, double& skipped);
+  double build_tree(const Set& piece);
+  double uppers(const Set& side, std::size_t side_parts, const Set& rest, std::size_t rest_parts);
   void offer_cut(const Set& piece, std::size_t parts, std::size_t allowed, double limit,
                  double here, const Set& side, std::size_t side_parts, double& skipped);
   void add_cut(const Set& side, const Set& side_form, std::size_t side_parts, const Set& rest_form,
@@ -524,7 +532,7 @@ class AndOrSearch {
   const std::size_t listed_core_parts_;
   std::size_t most_core_parts_ = 0;
   std::vector<double> loss_off_core_;
-  TreeMerges merges_;
+  PieceTree piece_tree_;  ///< of the piece at hand
   std::vector<PartIndex> core_parts_;
 
   Deepening deepening_;

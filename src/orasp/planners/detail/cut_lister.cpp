@@ -71,7 +71,7 @@ CutLister<kWords>::CutLister(const PieceProblem& pieces, std::uint64_t forest_se
       by_connection_(pieces.system.gain_by_connection()) {}
 
 template <std::size_t kWords>
-double CutLister<kWords>::upper(const Set& set, std::size_t parts) {
+double CutLister<kWords>::upper_without_tree(const Set& set, std::size_t parts) {
   if (!bounded_) return 0;
   const PieceGains& gains = pieces_.gains;
   double bound = gains.sizes_known() ? gains.by_size(parts) : kInfinity;
@@ -79,12 +79,12 @@ double CutLister<kWords>::upper(const Set& set, std::size_t parts) {
     list_parts(set, upper_list_);
     bound = std::min(bound, gains.by_parts(upper_list_));
   }
-  return bound - tree(set);
+  return bound;
 }
 
 template <std::size_t kWords>
 double CutLister<kWords>::tree(const Set& set) {
-  if (!trees_.any()) return 0;
+  if (!sees_trees()) return 0;
   list_parts(set, upper_list_);
   return trees_.of_parts(upper_list_);
 }

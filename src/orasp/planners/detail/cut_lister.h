@@ -76,9 +76,15 @@ class CutLister {
   [[nodiscard]] bool by_connection() const { return by_connection_; }
 
   /// The bound g of a piece; 0 where none is known.
-  [[nodiscard]] double upper(const Set& set, std::size_t parts);
+  [[nodiscard]] double upper(const Set& set, std::size_t parts) {
+    return upper_without_tree(set, parts) - tree(set);
+  }
+  /// The same but for what it counts for connections.
+  [[nodiscard]] double upper_without_tree(const Set& set, std::size_t parts);
   /// What the bound of a piece counts for the connections at which it is cut.
   [[nodiscard]] double tree(const Set& set);
+  /// Whether it counts anything.
+  [[nodiscard]] bool sees_trees() const { return bounded_ && trees_.any(); }
   [[nodiscard]] CutTrees& trees() { return trees_; }
 
   /// What the cut of a piece into `side` and `rest` gains at best; empty where it cannot be legal.

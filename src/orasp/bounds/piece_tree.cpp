@@ -1,26 +1,34 @@
-#include "orasp/bounds/tree_merges.h"
+#include "orasp/bounds/piece_tree.h"
 
 #include <algorithm>
 
 namespace orasp {
 
-std::uint32_t TreeMerges::top(std::uint32_t node) {
+std::uint32_t PieceTree::top(std::uint32_t node) {
   while (nodes_[node].top != node) node = nodes_[node].top = nodes_[nodes_[node].top].top;
   return node;
 }
 
-void TreeMerges::build(CutTrees& trees, std::span<const PartIndex> piece) {
+void PieceTree::build(CutTrees& trees, std::span<const PartIndex> piece) {
   nodes_.clear();
+  cost_ = 0;
   const auto add = [&](double cost) {
     const auto number = static_cast<std::uint32_t>(nodes_.size());
     nodes_.push_back({.above = kNone, .top = number, .met_in = 0, .cost = cost});
     return number;
   };
   for (const PartIndex part : piece) {
-    if (leaf_of_.size() <= part) leaf_of_.resize(part + 1, kNone);
+    if (leaf_of_.size() <= part) {
+      leaf_of_.resize(part + 1, kNone);
+      around_.resize(part + 1);
+    }
     leaf_of_[part] = add(0);
+    around_[part].clear();
   }
   trees.for_each_of_parts(piece, [&](PartIndex part, PartIndex other, double cost) {
+    cost_ += cost;
+    around_[part].push_back({other, cost});
+    around_[other].push_back({part, cost});
     const std::uint32_t joint = add(cost);
     for (const PartIndex end : {part, other}) {
       Node& below = nodes_[top(leaf_of_[end])];
@@ -29,7 +37,7 @@ void TreeMerges::build(CutTrees& trees, std::span<const PartIndex> piece) {
   });
 }
 
-double TreeMerges::saved(std::span<const PartIndex> parts) {
+double PieceTree::saved(std::span<const PartIndex> parts) {
   double sum = 0;
   ++calls_;
   for (const PartIndex part : parts) {
