@@ -12,10 +12,11 @@ namespace orasp {
 
 /// The least spanning tree of a piece (CutTrees), and what it tells of pieces that are made of it.
 ///
-/// One part.   What the tree saves where some parts of the piece count as one. Kruskal's algorithm joins two components at each connection of the tree. With the
-///             parts of a set P made one from the start, just those connections are left out at
-///             which two components meet that both hold parts of P. The joints are the inner nodes
-///             of a binary tree over the parts of the piece.
+/// One part.   What the tree saves where some parts of the piece count as one. Kruskal's algorithm
+///             joins two components at each connection of the tree. With the parts of a set P made
+///             one from the start, just those connections are left out at which two components meet
+///             that both hold parts of P. The joints are the inner nodes of a binary tree over the
+///             parts of the piece.
 /// Cuts.       Where just one connection of the tree crosses a cut, the rest of it is the least
 ///             spanning trees of both sides.
 /// Cost.       build(): a Kruskal run. saved(): the way from each part of P up to where it meets
