@@ -96,10 +96,11 @@ double AndOrSearch<kWords>::loss_of_cut_to_core(std::size_t parts, std::size_t m
 template <std::size_t kWords>
 void AndOrSearch<kWords>::add_core(const Set& set, std::size_t parts, double loss_before,
                                    bool completes) {
-  const double most = upper(set, parts);
+  const Set form = form_of(set, parts);
+  const double most = upper(form, parts);
   scale_ = most;
   const std::size_t allowed = (allowed_ & kMostAllowed) | (completes ? kCompletes : 0);
-  const double loss = search(set, parts, allowed, kInfinity);
+  const double loss = search(form, parts, allowed, kInfinity);
   if (loss == kInfinity) return;
   Core core{.set = set, .cost = gains_.by_size(parts) - (most - loss) + loss_before, .least = 0};
   core.least = core.cost - tree(set);

@@ -67,12 +67,14 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system,
 }
 
 /// What a plan loses by the step that completes beside the `losses` of the pieces: this step earns
-/// less than the greatest surplus, or is not of the best cuts of its piece. Exact where the search
-/// does not have to stop, else a lower bound.
+/// less than the greatest surplus, or is not of the best cuts of its piece. A lower bound where the
+/// search has to stop, and where it is more than `useful_loss`.
 template <std::size_t kWords>
-double AndOrSearch<kWords>::loss_of_completing(const std::vector<double>& losses) {
+double AndOrSearch<kWords>::loss_of_completing(const std::vector<double>& losses,
+                                               double useful_loss) {
   double least =
       first_ ? first_->most - first_->most_without_cut : last_->most - last_->most_of_loops;
+  least = std::min(least, useful_loss);
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const std::size_t parts = pieces_[i].size();
     const Set piece = form_of(pieces_[i], parts);
@@ -195,11 +197,11 @@ ConnectionIndex AndOrSearch<kWords>::choose_without_cut(bool dive) {
   return first_->without_cut.front();
 }
 
-template double AndOrSearch<1>::loss_of_completing(const std::vector<double>&);
-template double AndOrSearch<2>::loss_of_completing(const std::vector<double>&);
-template double AndOrSearch<4>::loss_of_completing(const std::vector<double>&);
-template double AndOrSearch<8>::loss_of_completing(const std::vector<double>&);
-template double AndOrSearch<16>::loss_of_completing(const std::vector<double>&);
+template double AndOrSearch<1>::loss_of_completing(const std::vector<double>&, double);
+template double AndOrSearch<2>::loss_of_completing(const std::vector<double>&, double);
+template double AndOrSearch<4>::loss_of_completing(const std::vector<double>&, double);
+template double AndOrSearch<8>::loss_of_completing(const std::vector<double>&, double);
+template double AndOrSearch<16>::loss_of_completing(const std::vector<double>&, double);
 template std::optional<AndOrSearch<1>::First> AndOrSearch<1>::choose_first(bool);
 template std::optional<AndOrSearch<2>::First> AndOrSearch<2>::choose_first(bool);
 template std::optional<AndOrSearch<4>::First> AndOrSearch<4>::choose_first(bool);

@@ -73,7 +73,7 @@ bool AndOrSearch<kWords>::run(std::uint64_t most_expansions, std::uint64_t most_
   const bool other_piece_completes = last_ != nullptr && (allowed_ & kCompletes) == 0;
   if ((first_ || other_piece_completes) && most > -kInfinity && result_.stop == Stop::None &&
       !run_is_over_)
-    result_.bound = most - loss_of_completing(losses);
+    result_.bound = most - loss_of_completing(losses, most - known_reward_ - slack(most) / 2);
   result_.statistics.states = std::max<std::uint64_t>(result_.statistics.states, memo_.size());
   result_.statistics.peak_bytes = std::max(result_.statistics.peak_bytes, bytes());
   return result_.stop == Stop::None && !run_is_over_;

@@ -196,7 +196,7 @@ class AndOrSearch {
     std::optional<Cut> cut;
     double loss;
   };
-  double loss_of_completing(const std::vector<double>& losses);
+  double loss_of_completing(const std::vector<double>& losses, double useful_loss);
   double search_first(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   double list_first_cuts(const Set& piece, std::size_t parts, std::size_t allowed, double limit);
   [[nodiscard]] std::optional<First> choose_first(bool dive);
@@ -456,7 +456,8 @@ class AndOrSearch {
   [[nodiscard]] std::uint64_t bytes() const {
     constexpr std::size_t kUntilNextLook = 512;
     return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() +
-           cuts_.capacity() * sizeof(Cut) + upper_.bytes() + lists_.bytes() + stored_.bytes();
+           cuts_.capacity() * sizeof(Cut) + upper_.bytes() + lists_.bytes() + stored_.bytes() +
+           (cores_[0].capacity() + cores_[1].capacity()) * sizeof(Core);
   }
 
   const Problem& problem_;
