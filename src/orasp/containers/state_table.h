@@ -99,7 +99,12 @@ class StateTable {
  private:
   [[nodiscard]] std::size_t words() const { return words(words_); }
   [[nodiscard]] bool equal(std::uint32_t number, const std::uint64_t* key) const {
-    return std::equal(key, key + words(), this->key(number));
+    // Word by word: comparing two ranges is a call of its own.
+    const std::uint64_t* const mine = this->key(number);
+    for (std::size_t w = 0; w < words(); ++w) {
+      if (key[w] != mine[w]) return false;
+    }
+    return true;
   }
   void grow() {
     slots_.resize(std::max<std::size_t>(64, slots_.size() * 2));

@@ -121,6 +121,11 @@ bool TransitionSystem::gain_by_sizes() const {
                              [](const auto& t) { return t.term->sees.gain_by_sizes; });
 }
 
+bool TransitionSystem::gain_by_moved() const {
+  return std::ranges::all_of(rules_->terms,
+                             [](const auto& t) { return t.term->sees.gain_by_moved; });
+}
+
 bool TransitionSystem::gain_by_connection() const {
   return std::ranges::any_of(rules_->terms,
                              [](const auto& t) { return t.term->sees.gain_by_connection; });

@@ -232,9 +232,10 @@ class TransitionSystem {
   /// not on what else is there or was done before. Then pieces of the product can be planned for
   /// one by one.
   [[nodiscard]] bool sees_piece_only() const;
-  /// Whether that gain depends on the sizes of A and B alone; and whether it depends on the
-  /// connection.
+  /// Whether that gain depends on the sizes of A and B alone; on nothing but which parts move; and
+  /// whether it depends on the connection.
   [[nodiscard]] bool gain_by_sizes() const;
+  [[nodiscard]] bool gain_by_moved() const;
   [[nodiscard]] bool gain_by_connection() const;
 
   /// Whether a step's reward depends on nothing but the sizes of A and B and on whether it

@@ -47,10 +47,10 @@ struct AndOrOptions {
 ///             (detail::AndOrSearch::recut(): iterative dynamic programming and iterated local
 ///             search). The search then begins with a plan that is mostly the best one.
 /// Last cuts.  Where connections differ, as with attempts that succeed more often at one than at
-///             another, sizes and the spanning tree of a piece (bounds/cut_trees.h) do not tell what
-///             its last cuts lose: see detail::AndOrSearch::find_cores(). And where the last step of
-///             all earns more at one connection than at another, an entry also says whether its
-///             piece has that step.
+///             another, sizes and the spanning tree of a piece (bounds/cut_trees.h) do not tell
+///             what its last cuts lose: see detail::AndOrSearch::find_cores(). And where the last
+///             step of all earns more at one connection than at another, an entry also says whether
+///             its piece has that step.
 /// Symmetry.   Pieces that an exchange of equal parts takes into one another have one value, so one
 ///             of them is searched for all (symmetry/symmetry.h). With SymmetryUse::Auto exchanges
 ///             are looked for after the first round, and used where there are at least

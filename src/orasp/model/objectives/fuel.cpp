@@ -18,7 +18,7 @@ class FuelTerm : public ObjectiveTerm {
         dry_mass_(fuel.dry_mass),
         propellant_(std::expm1(fuel.delta_v / (fuel.isp * kStandardGravity))) {
     sees.counting = sees.gain_by_sizes = totals.uniform_mass && totals.moves_by_size;
-    sees.piece_only = sees.moving_more_costs_more = true;
+    sees.piece_only = sees.moving_more_costs_more = sees.gain_by_moved = true;
   }
 
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,

@@ -34,6 +34,8 @@ struct TermSight {
   bool piece_only = false;
   /// piece_only, and that gain depends on the sizes of A and B alone.
   bool gain_by_sizes = false;
+  /// piece_only, and that gain depends on nothing but which parts move.
+  bool gain_by_moved = false;
   /// On nothing but the connection and how many are present.
   bool order_only = false;
   /// piece_only, and a piece gains less the more parts move.

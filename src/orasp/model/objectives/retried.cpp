@@ -30,6 +30,7 @@ class RetriedTerm : public ObjectiveTerm {
       return;
     }
     sees.sizes_only = sees.gain_by_sizes = sees.moving_more_costs_more = false;
+    sees.gain_by_moved = false;
     sees.gain_by_connection = true;
     if (sees.piece_only && parts > 1) shared_ = once_->greatest_gain(1, 1, parts - 1);
     if (!std::isfinite(shared_)) shared_ = 0;

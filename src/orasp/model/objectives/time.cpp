@@ -21,7 +21,7 @@ class TimeTerm : public ObjectiveTerm {
     // Without positions every transfer takes the same time.
     sees.counting = sees.gain_by_sizes = totals.no_positions && totals.moves_by_size;
     sees.moving_more_costs_more = totals.no_positions;
-    sees.piece_only = true;
+    sees.piece_only = sees.gain_by_moved = true;
   }
 
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,

@@ -19,7 +19,7 @@ class TravelTerm : public ObjectiveTerm {
         most_moved_(static_cast<double>(totals.moves_by_size ? totals.problem.num_parts() / 2
                                                              : totals.problem.num_parts())),
         centroids_(totals.problem, travel.depot) {
-    sees.piece_only = true;
+    sees.piece_only = sees.gain_by_moved = true;
   }
 
   [[nodiscard]] double reward(const detail::StepFacts& facts, const detail::Movement& movement,

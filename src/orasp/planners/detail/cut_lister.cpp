@@ -68,7 +68,9 @@ CutLister<kWords>::CutLister(const PieceProblem& pieces, std::uint64_t forest_se
       by_sizes_(pieces.system.gain_by_sizes() && pieces.gains.sizes_known() &&
                 !problem_.limits().max_moved_mass && !problem_.limits().grounded &&
                 problem_.directions().empty()),
-      by_connection_(pieces.system.gain_by_connection()) {}
+      by_connection_(pieces.system.gain_by_connection()),
+      by_moved_(pieces.system.gain_by_moved() && problem_.base().empty() &&
+                problem_.precedence().empty()) {}
 
 template <std::size_t kWords>
 double CutLister<kWords>::upper_without_tree(const Set& set, std::size_t parts) {
@@ -89,14 +91,13 @@ double CutLister<kWords>::tree(const Set& set) {
   return trees_.of_parts(upper_list_);
 }
 
-/// As upper(), for sides of cuts: many cuts have the same.
+/// What is known of a side of a cut, upper() among it: many cuts have the same.
 template <std::size_t kWords>
-double CutLister<kWords>::known_bound(const Set& set, std::size_t parts) {
-  if (parts == 1 || !bounded_) return upper(set, parts);
+auto CutLister<kWords>::known(const Set& set, std::size_t parts) -> KnownBound& {
   if (known_.empty()) known_.resize(kKnownBounds);
   KnownBound& known = known_[hash_value(set.words) % kKnownBounds];
-  if (known.set != set) known = {set, upper(set, parts)};
-  return known.bound;
+  if (known.set != set) known = {.set = set, .bound = upper(set, parts)};
+  return known;
 }
 
 /// What `connection` gains as the last between `side` and the rest. The parts of the two must stand
@@ -175,10 +176,20 @@ void CutLister<kWords>::add(const Set& piece, double here, const Set& side, cons
   const std::size_t side_parts = side.size();
   const std::size_t rest_parts = rest.size();
   if (std::min(side_parts, rest_parts) > pieces_.gains.most_moved()) return;
-  const std::optional<double> gained = gain(piece, side, rest, side_parts, rest_parts, free);
+  std::optional<double> gained;
+  const bool one_moves =
+      by_moved_ && side_parts != rest_parts && (free || problem_.directions().empty());
+  if (one_moves) {
+    const bool side_moves = side_parts < rest_parts;
+    KnownBound& moved = side_moves ? known(side, side_parts) : known(rest, rest_parts);
+    if (!moved.gain) moved.gain = gain(piece, side, rest, side_parts, rest_parts, free);
+    gained = moved.gain;
+  } else {
+    gained = gain(piece, side, rest, side_parts, rest_parts, free);
+  }
   if (!gained) return;
-  const double side_bound = known_bound(side, side_parts);
-  const double rest_bound = known_bound(rest, rest_parts);
+  const double side_bound = known(side, side_parts).bound;
+  const double rest_bound = known(rest, rest_parts).bound;
   const double own = here - *gained - side_bound - rest_bound;
   if (own > limit) {
     into.skipped = std::min(into.skipped, own);

@@ -124,10 +124,11 @@ class CutLister {
   void list(const Set& piece, double here, double limit, List& into, Stop&& stop);
 
  private:
-  /// A bound that is known.
+  /// The bound of a set of parts; and what moving it gains, where that is known.
   struct KnownBound {
     Set set;
     double bound = 0;
+    std::optional<double> gain{};
   };
   static constexpr std::size_t kKnownBounds = std::max<std::size_t>(1024, 16'384 / kWords);
 
@@ -136,7 +137,7 @@ class CutLister {
                                                   bool free);
   void add(const Set& piece, double here, const Set& side, const Set& rest, double limit, bool free,
            List& into);
-  double known_bound(const Set& set, std::size_t parts);
+  KnownBound& known(const Set& set, std::size_t parts);
 
   const PieceProblem& pieces_;
   const Problem& problem_;
@@ -147,6 +148,8 @@ class CutLister {
   /// Whether what a cut gains depends on the sizes of its sides alone.
   bool by_sizes_;
   bool by_connection_;
+  /// Whether a cut is legal where its smaller side can leave, and gains what moving that gains.
+  bool by_moved_;
   /// Bounds of pieces that were listed as sides, by the hash of the set; each place holds one.
   std::vector<KnownBound> known_;
   // Scratch memory.
