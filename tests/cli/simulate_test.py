@@ -44,6 +44,16 @@ class Simulate(Case):
         plan = self.file("plan.txt", "b-c\na-b\n")
         self.assertAlmostEqual(self.figures("--plan", plan, "-n", "100")["expected"], -5.25)
 
+    def test_a_problem_whose_states_are_too_many_to_be_listed(self):
+        problem = json.loads(orasp("scenarios", "iss-upc").out)
+        for connection in problem["connections"]:
+            connection["success"] = 0.9
+        self.problem = self.file("large.json", json.dumps(problem))
+        found = self.figures("-n", "2000", "--time-limit", "20")
+        self.assertEqual(found["n"], 2000)
+        self.assertAlmostEqual(found["expected"], -2.389556, places=6)
+        self.assertLess(abs(found["mean"] - found["expected"]), 3 * found["standard_error"])
+
     @smoke
     def test_the_same_seed_gives_the_same_bytes(self):
         runs = [orasp("simulate", self.problem, "-n", "500", "--seed", seed, "--json").out for seed in "778"]

@@ -128,6 +128,13 @@ void require_legal(const Evaluation& plan) {
                    in_quotes(first.connection) + ": " + first.violation.message);
 }
 
+/// Half of the time that is left.
+Budget half_of(const Budget& budget) {
+  Budget half = budget;
+  if (half.deadline) *half.deadline -= (*half.deadline - Budget::Clock::now()) / 2;
+  return half;
+}
+
 /// Where every attempt succeeds, a plan goes as it stands.
 Followed certainly_followed(const Evaluation* plan,
                             const std::function<Result(const Budget&)>& find,
@@ -176,6 +183,17 @@ Followed follow(const TransitionSystem& system, const Evaluation* plan,
     guide = guide_by_plan(found.plan);
   } else if (policy != nullptr) {
     guide = guide_by_policy(system, *policy);
+  } else {
+    const Result result = find(half_of(budget));
+    if (!result.has_plan()) {
+      found.status = result.status;
+      found.simulation.stop = result.stop;
+      found.notes = result.notes;
+      return found;
+    }
+    found.proved_best = result.status == Status::Optimal;
+    guide = result.expectation ? guide_by_policy(system, result.expectation->policy)
+                               : guide_by_plan(result.sequence);
   }
   const UncertainGraph graph = UncertainGraph::build(system, budget, guide);
   if (graph.stop() != Stop::None) {

@@ -70,9 +70,9 @@ struct Followed {
 };
 
 /// Simulates. `plan`, the replay of a plan, and `policy` say what is followed, at most one of them;
-/// null: the best policy, which is solved first. Where every attempt succeeds
-/// (TransitionSystem::wide(): a goal, part steps, costs between steps) `find` is asked for a plan
-/// if none is given, and all runs are the same.
+/// null: what `find` finds in half of the time, the best policy where it proves that. Where every
+/// attempt succeeds (TransitionSystem::wide(): a goal, part steps, costs between steps) all runs
+/// are the same, and `find` has all of the time.
 /// @throws InputError for a plan that is not legal, a policy where every attempt succeeds, and as
 /// guide_by_policy.
 [[nodiscard]] Followed follow(const TransitionSystem& system, const Evaluation* plan,
