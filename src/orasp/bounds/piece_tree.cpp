@@ -1,7 +1,5 @@
 #include "orasp/bounds/piece_tree.h"
 
-#include <algorithm>
-
 namespace orasp {
 
 std::uint32_t PieceTree::top(std::uint32_t node) {

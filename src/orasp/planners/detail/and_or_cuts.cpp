@@ -9,10 +9,10 @@ double AndOrSearch<kWords>::list_cuts(const Set& piece, std::size_t parts, std::
                                       double limit) {
   double skipped = kInfinity;
   const double without_tree = lister_.upper_without_tree(piece, parts);
-  const double here = without_tree - build_tree(piece);
   std::size_t largest = mark_wanted_sizes(parts, without_tree, limit, skipped);
   if (peeling_ && !links_.along_forest) largest = std::min(largest, kMostPeeled);
   if (largest == 0) return skipped;
+  const double here = without_tree - build_tree(piece);
   const auto offer = [&](const Set& side, std::size_t side_parts) {
     offer_cut(piece, parts, allowed, limit, here, side, side_parts, skipped);
   };

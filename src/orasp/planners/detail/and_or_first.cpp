@@ -22,7 +22,6 @@ std::optional<LastSteps> last_steps(const TransitionSystem& system, Expander& ex
     }
   }
   if (!(most_of_pairs > least_of_pairs + kRewardTolerance)) return std::nullopt;
-  steps.most = std::max(steps.most_of_loops, most_of_pairs);
   return steps;
 }
 
@@ -72,8 +71,8 @@ PieceProblem::PieceProblem(const TransitionSystem& the_system,
 template <std::size_t kWords>
 double AndOrSearch<kWords>::loss_of_completing(const std::vector<double>& losses,
                                                double useful_loss) {
-  double least =
-      first_ ? first_->most - first_->most_without_cut : last_->most - last_->most_of_loops;
+  double least = first_ ? first_->most - first_->most_without_cut
+                        : gains_.last_surplus() - last_->most_of_loops;
   least = std::min(least, useful_loss);
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const std::size_t parts = pieces_[i].size();

@@ -11,10 +11,10 @@ double AndOrSearch<kWords>::gain_of_last(const Set& side, const Set& rest) {
   for (const auto& half : graph_.around(static_cast<PartIndex>(part)))
     if (rest.contains(half.other)) between.push_back(half.connection);
   double best = -kInfinity;
-  lister_.gains_as_last(side, rest, between,
-                        [&](ConnectionIndex c, const std::optional<double>& gain) {
-                          if (gain) best = std::max(best, *gain + last_->surplus[c] - last_->most);
-                        });
+  lister_.gains_as_last(
+      side, rest, between, [&](ConnectionIndex c, const std::optional<double>& gain) {
+        if (gain) best = std::max(best, *gain + last_->surplus[c] - gains_.last_surplus());
+      });
   return best;
 }
 
@@ -25,7 +25,7 @@ std::optional<std::size_t> AndOrSearch<kWords>::piece_that_completes() {
   if (last_ == nullptr) return std::nullopt;
   if ((allowed_ & kCompletes) != 0) return 0;
   std::optional<std::size_t> best;
-  double least = last_->most - last_->most_of_loops;
+  double least = gains_.last_surplus() - last_->most_of_loops;
   bool solved = std::isfinite(least);
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const std::size_t parts = pieces_[i].size();

@@ -53,9 +53,7 @@ void AndOrSearch<kWords>::take_loops(Steps& steps, bool completes) {
     for (const ConnectionIndex c : graph_.loops()) static_cast<void>(take(c, steps));
     return;
   }
-  double best_last = last_ != nullptr ? last_->most_of_loops : -kInfinity;
-  for (ConnectionIndex c = 0; c < problem_.num_connections() && last_ == nullptr; ++c)
-    best_last = std::max(best_last, lister_.expander().completion_surplus(c));
+  const double best_last = last_ != nullptr ? last_->most_of_loops : gains_.last_surplus();
   for (const ConnectionIndex c : graph_.loops()) {
     if (lister_.expander().completion_surplus(c) < best_last) static_cast<void>(take(c, steps));
   }

@@ -30,8 +30,7 @@ struct FirstSteps {
 /// Where the last step completes, and how much more it then earns depends on which connection it
 /// takes: where attempts are repeated until they succeed, or by a formula.
 struct LastSteps {
-  std::vector<double> surplus;        ///< by connection
-  double most = -kInfinity;           ///< the greatest of all
+  std::vector<double> surplus;        ///< by connection; the greatest is gains.last_surplus()
   double most_of_loops = -kInfinity;  ///< the greatest of the connections of a part with itself
 };
 
