@@ -19,7 +19,7 @@ LAYERS = {
     "certificate": {"model", "certificate"},
     "containers": {"containers"},
     "task": {"model", "task"},
-    "bounds": {"model", "bounds"},
+    "bounds": {"model", "containers", "bounds"},
     "symmetry": {"model", "containers", "symmetry"},
     "graph": {"model", "containers", "task", "bounds", "symmetry", "graph"},
     "planners": {"model", "containers", "task", "bounds", "symmetry", "graph", "planners"},

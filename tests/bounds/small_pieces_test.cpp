@@ -1,5 +1,6 @@
 #include "orasp/bounds/small_pieces.h"
 
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -101,6 +102,8 @@ void for_each_cut(const Problem& problem, unsigned bits, Visit&& visit) {
 // For every piece and every cut of it the bound is at least what the cut gains and the bounds of
 // the two sides, whatever sizes are listed. So it is admissible too, by induction.
 TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
+  std::size_t with_largest = 0;
+  std::size_t without_largest = 0;
   for (const char* objective : {"time", "travel"}) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
       const ProblemSpec spec = random_product(seed, objective);
@@ -109,29 +112,41 @@ TEST(SmallPieces, EveryCutOfEveryPieceKeepsTheBound) {
       Expander expander(system);
       SCOPED_TRACE(spec.name + " " + objective);
       const LargerMoves moves = seed % 8 == 0 ? LargerMoves{} : larger_moves(system, expander);
-      for (std::size_t listed = 1; listed < kParts; ++listed) {
-        const SmallPieces pieces(system, expander, listed, moves, {});
+      std::size_t sets = 0;  // of at most seven parts
+      for (unsigned bits = 1; bits < 1U << kParts; ++bits)
+        sets += std::popcount(bits) <= 7 && connected(problem, bits) ? 1 : 0;
+      for (std::size_t most = 1; most <= kParts; ++most) {
+        // In the end those of more than seven parts are too many, and those of seven count where
+        // they bring something.
+        const bool cut_short = most == kParts;
+        const ListingEffort effort{.most_sets = cut_short ? sets : SmallPieces::kFewSets};
+        const SmallPieces pieces(system, expander, most, moves, effort);
+        const std::size_t listed = cut_short ? 6 : most;
+        ASSERT_EQ(pieces.more_could_be_listed(), cut_short);
         ASSERT_TRUE(pieces.known());
+        if (cut_short) (pieces.priced(7) ? without_largest : with_largest) += 1;
         std::vector<double> bounds(1U << kParts, -kInfinity);
         for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
           if (connected(problem, bits)) bounds[bits] = pieces.bound(parts_of(bits));
         }
         for (unsigned bits = 1; bits < 1U << kParts; ++bits) {
           if (bounds[bits] == -kInfinity) continue;
-          double most = parts_of(bits).size() == 1 ? 0 : -kInfinity;
+          double best = parts_of(bits).size() == 1 ? 0 : -kInfinity;
           for_each_cut(problem, bits, [&](unsigned a, unsigned b, ConnectionIndex c) {
             const auto gain = expander.cut_gain(parts_of(a), parts_of(b), c);
-            if (gain) most = std::max(most, *gain + bounds[a] + bounds[b]);
+            if (gain) best = std::max(best, *gain + bounds[a] + bounds[b]);
           });
-          EXPECT_GE(bounds[bits], most - 1e-9);
+          EXPECT_GE(bounds[bits], best - 1e-9);
           // What is listed is exact.
           if (parts_of(bits).size() <= listed) {
-            EXPECT_NEAR(bounds[bits], most, 1e-9);
+            EXPECT_NEAR(bounds[bits], best, 1e-9);
           }
         }
       }
     }
   }
+  EXPECT_GT(with_largest, 0U);
+  EXPECT_GT(without_largest, 0U);
 }
 
 /// random_product() with parts in each other's way.

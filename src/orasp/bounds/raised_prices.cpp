@@ -38,8 +38,10 @@ void RaisedPrices::fit(const Raise& from, std::span<const PartIndex> piece, doub
       ++next;
       continue;
     }
-    const std::uint64_t* const with = rows_with_.data() + part * words_;
-    for (std::size_t w = 0; w < words_; ++w) into.within_[w] &= ~with[w];
+    // Nothing else stands where the rows within stand: several words at a time.
+    const std::uint64_t* __restrict const with = rows_with_.data() + part * words_;
+    std::uint64_t* __restrict const within = into.within_.data();
+    for (std::size_t w = 0; w < words_; ++w) within[w] &= ~with[w];
     into.sum_ -= into.of_part_[part];
     into.of_part_[part] = 0;
   }

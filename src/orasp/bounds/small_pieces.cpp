@@ -9,6 +9,7 @@
 
 #include "orasp/bounds/packed_costs.h"
 #include "orasp/bounds/partings.h"
+#include "orasp/containers/parallel.h"
 #include "orasp/model/detail/connectivity.h"
 #include "orasp/model/tolerance.h"
 
@@ -18,6 +19,9 @@ namespace {
 
 /// For each set that may be listed, so many ways to part a set in two, over all sets.
 constexpr std::size_t kCutsPerSet = 300;
+/// Where larger sets are too many, prices with those up to an odd number of parts, this or more,
+/// are worked out without the largest ones too.
+constexpr std::size_t kLeastOddTriedTwice = 7;
 
 }  // namespace
 
@@ -120,6 +124,21 @@ class SmallPieces::Lister {
         by_connection_(system.gain_by_connection()),
         graph_(problem_),
         costs_(expander.least_extra_costs()) {}
+  /// What `other` has listed, of at most `largest` parts. Only before measure().
+  Lister(const Lister& other, Expander& expander, std::size_t largest)
+      : partings_(other.partings_),
+        expander_(expander),
+        problem_(other.problem_),
+        effort_(other.effort_),
+        by_connection_(other.by_connection_),
+        graph_(other.graph_),
+        costs_(other.costs_),
+        sets_(other.sets_.begin(),
+              std::ranges::upper_bound(other.sets_, largest, {}, &ListedSet::size)),
+        cut_short_(true),
+        place_(other.place_) {
+    place_.shrink(sets_.size());
+  }
 
   /// The greatest size of which all sets are listed.
   std::size_t list(std::size_t most) {
@@ -479,9 +498,35 @@ SmallPieces::SmallPieces(const TransitionSystem& system, Expander& expander,
   static_assert(kMostListed <= PriceRow::kMostParts, "a key and a row hold twelve parts");
   const std::size_t parts = system.problem().num_parts();
   if (parts < 2) return;
+  prices_.assign(parts, 0);
   Lister lister(system, expander, effort);
   const std::size_t largest = lister.list(std::min(most_listed, kMostListed));
   cut_short_ = lister.cut_short();
+  if (!cut_short_ || largest % 2 == 0 || largest < kLeastOddTriedTwice) {
+    price(lister, largest, larger, effort);
+    return;
+  }
+  Expander other_expander(system);
+  Lister fewer(lister, other_expander, largest - 1);
+  SmallPieces other = *this;
+  detail::run_parallel(2, [&](std::size_t thread) {
+    if (thread == 0) {
+      price(lister, largest, larger, effort);
+    } else {
+      other.price(fewer, largest - 1, larger, effort);
+    }
+  });
+  if (!other.known()) return;
+  std::vector<PartIndex> all(parts);
+  std::iota(all.begin(), all.end(), PartIndex{0});
+  if (!known() || other.bound(all) < bound(all)) *this = std::move(other);
+}
+
+/// Works out values and prices where the sets of at most `largest` parts are listed; nothing is
+/// known where there is no time for that, or a set has no value.
+void SmallPieces::price(Lister& lister, std::size_t largest, const LargerMoves& larger,
+                        const ListingEffort& effort) {
+  const std::size_t parts = prices_.size();
   if (larger.gain) gain_of_larger_ = larger.gain(largest);
   std::optional<std::vector<PriceRow>> rows = lister.measure(
       largest,
@@ -492,7 +537,6 @@ SmallPieces::SmallPieces(const TransitionSystem& system, Expander& expander,
     values_.push_back(set.value);
   }
   listed_ = std::move(lister).take_places();
-  prices_.assign(parts, 0);
   if (largest < parts) {
     Lister::Costs costs = lister.costs(*std::move(rows), largest);
     prices_ = std::move(costs.of_parts);

@@ -76,6 +76,9 @@ struct LargerMoves {
 /// Guarantee.  Never below what the cuts of a piece can gain. Precedence, blocking between pieces
 ///             and max_subassemblies only take cuts away. A listed piece that blocking or limits
 ///             leave no cut counts all its cuts: the searches find the dead end.
+///             What stays has more than half of K parts: with an odd K no fewer than with K - 1,
+///             and the prices that are found need not be closer: where larger sets are too many,
+///             the closer prices of the two count.
 /// Cost.       K is the greatest, 12 at most, for which the sets are few enough to be listed: in
 ///             less than a tenth of a second, with kMostSets in some tenths, with kManySets in some
 ///             seconds. O(parts) a piece.
@@ -163,6 +166,8 @@ class SmallPieces {
                             double most) const;
 
   class Lister;
+  void price(Lister& lister, std::size_t largest, const LargerMoves& larger,
+             const ListingEffort& effort);
 };
 
 /// How much a bound may do before it is first asked.

@@ -103,7 +103,7 @@ std::vector<ConnectionSet> resampled(const std::vector<ConnectionSet>& states,
 /// With s uniform in layer k and s' a uniform successor, the mean of b(s) / p(s') is N(k+1) / N(k);
 /// particles are then resampled by these weights. Ways into s' that only come from unreachable
 /// states are counted too, which makes the estimate low.
-GraphEstimate sampled(const TransitionSystem& system) {
+GraphEstimate sampled(const TransitionSystem& system, double enough_actions) {
   const bool is_small = system.num_connections() <= 64;
   const std::size_t particles = is_small ? 256 : 8;
   const std::size_t probes = is_small ? 24 : 8;
@@ -131,7 +131,7 @@ GraphEstimate sampled(const TransitionSystem& system) {
     }
     estimate.actions += width * mean_actions;
     widest = std::max(widest, width * mean_actions);
-    if (next.empty()) break;
+    if (next.empty() || estimate.actions > enough_actions) break;
     width *= mean_ratio;
     estimate.states += width;
     layer = resampled(next, weights, particles, random);
@@ -208,9 +208,11 @@ bool unconstrained(const TransitionSystem& system) {
          !system.ordered() && !system.wide();
 }
 
-GraphEstimate estimate_graph(const TransitionSystem& system, const Budget& limits) {
+GraphEstimate estimate_graph(const TransitionSystem& system, const Budget& limits,
+                             double enough_actions) {
   if (system.wide()) return looked_at(system, limits);
-  return unconstrained(system) ? estimate_without_constraints(system) : sampled(system);
+  return unconstrained(system) ? estimate_without_constraints(system)
+                               : sampled(system, enough_actions);
 }
 
 namespace {

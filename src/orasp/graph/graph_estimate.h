@@ -27,8 +27,11 @@ struct GraphEstimate {
 ///             by a factor of two or so.
 /// Wide.       Where there is more to steps (TransitionSystem::wide) a part of H is built, as much
 ///             as takes about a second; the deadline and the stop of `limits` end that sooner.
+/// Sooner.     Where there are more than `enough_actions` the numbers are those of the first layers
+///             that have as many.
 [[nodiscard]] GraphEstimate estimate_graph(const TransitionSystem& system,
-                                           const Budget& limits = {});
+                                           const Budget& limits = {},
+                                           double enough_actions = kInfinity);
 
 /// Whether the problem states no constraint, so that every subset of the connections is a state.
 [[nodiscard]] bool unconstrained(const TransitionSystem& system);

@@ -38,10 +38,8 @@ class AndOrRounds {
       : pieces_(pieces),
         budget_(budget),
         search_(pieces, 0, budget, all_cuts_),
-        recut_budget_(budget),
         symmetry_use_(symmetry) {
     best_.method = "and-or";
-    recut_budget_.progress = nullptr;
   }
 
   /// The next `rounds` rounds.
@@ -70,7 +68,7 @@ class AndOrRounds {
       if (!proved() && !done && stop == Stop::None && !all_kept && may_peel &&
           !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
-      if (!proved() && !done && stop == Stop::None && !recut_) recut();
+      if (!proved() && !done && stop == Stop::None && recuts_.empty()) recut();
       if (!done && !proved() && stop == Stop::None) {
         look_for_symmetry(true);
         if (round < last_round) continue;
@@ -90,8 +88,10 @@ class AndOrRounds {
   /// Where cores are known, larger problems are not peeled nor searched along forests: each cut
   /// takes a spanning tree to look at, and the search goes straight to a plan by itself.
   static constexpr std::uint64_t kMostPeeledParts = 128;
-  /// Looks at cuts while a plan is made better, at first; some hundredths of a second.
-  static constexpr std::uint64_t kRecutLooks = 200'000;
+  /// Looks at cuts while a plan is made better, at first; a tenth of a second.
+  static constexpr std::uint64_t kRecutLooks = 1'000'000;
+  /// The same where the search waits meanwhile: a tenth of its time.
+  static constexpr std::uint64_t kRecutLooksPerExpansion = 1;
 
   /// Looks for symmetry, once: where it was asked for at once, and by itself where the search is
   /// `is_long`.
@@ -153,52 +153,89 @@ class AndOrRounds {
 
   /// The next part of the search over all cuts, and beside it, where there is a second thread, a
   /// look for what makes the best plan better. Neither sees what the other one finds, so that the
-  /// answer is the same with one thread. @returns whether the search is done.
+  /// answer is the same with one thread. A search that takes all threads itself goes second: it
+  /// then need not look at what loses more than the better plan. @returns whether the search is
+  /// done.
   bool search(std::uint64_t expansions, std::uint64_t looks) {
-    const bool recuts = best_.has_plan() && recut_;
+    const bool recuts = best_.has_plan();
+    if (search_.sweeps()) {
+      recut_looks_ = kRecutLooksPerExpansion * expansions;
+      recut();
+      return search_.run(expansions, looks);
+    }
     if (!recuts || budget_.threads < 2) {
       const bool done = search_.run(expansions, looks);
-      if (recuts && !done && all_cuts_.stop == Stop::None) recut();
+      if (recuts && !done && all_cuts_.stop == Stop::None) {
+        find_recut(recut_number(0), draws_);
+        take_recuts(1);
+      }
       return done;
     }
     bool done = false;
-    bool better = false;
     std::stop_source enough;
-    recut_budget_.stop = enough.get_token();
+    Recut& beside = recut_number(0);
+    beside.budget.stop = enough.get_token();
     const std::stop_callback stopped(budget_.stop, [&] { enough.request_stop(); });
     detail::run_parallel(2, [&](std::size_t thread) {
       if (thread == 1) {
-        better = find_recut();
+        find_recut(beside, draws_);
         return;
       }
       done = search_.run(expansions, looks);
       if (done) enough.request_stop();
     });
-    if (!done) take_recut(better);
+    beside.budget.stop = budget_.stop;
+    if (!done) take_recuts(1);
     return done;
   }
 
-  /// Cuts the best plan anew, window by window.
-  void recut() {
-    if (!recut_) recut_.emplace(pieces_, 0, recut_budget_, recut_result_);
-    if (best_.has_plan()) take_recut(find_recut());
+  /// What makes plans better has a search of its own: it may work at the same time as others.
+  struct Recut {
+    Recut(const detail::PieceProblem& pieces, const Budget& the_budget)
+        : budget(the_budget), search(pieces, 0, budget, spent) {
+      budget.progress = nullptr;
+    }
+    Budget budget;
+    Result spent;
+    detail::AndOrSearch<kWords> search;
+    bool better = false;
+  };
+  Recut& recut_number(std::size_t number) {
+    while (recuts_.size() <= number) recuts_.push_back(std::make_unique<Recut>(pieces_, budget_));
+    return *recuts_[number];
   }
 
-  /// Whether the best plan can be cut anew to be better. A formula without a value for some cut
-  /// ends the look: no plan need ever make that cut.
-  bool find_recut() {
+  /// Cuts the best plan anew, window by window, in two ways at the same time.
+  void recut() {
+    if (!best_.has_plan()) return;
+    constexpr std::size_t kWays = 2;
+    static_cast<void>(recut_number(kWays - 1));
+    const std::size_t threads = std::min<std::size_t>(std::max(1U, budget_.threads), kWays);
+    detail::run_parallel(threads, [&](std::size_t thread) {
+      for (std::size_t i = thread; i < kWays; i += threads) find_recut(*recuts_[i], draws_ + i);
+    });
+    take_recuts(kWays);
+  }
+
+  /// Finds whether the best plan can be cut anew to be better; another `draw` looks elsewhere. A
+  /// formula without a value for some cut ends the look: no plan need ever make that cut.
+  void find_recut(Recut& recut, std::uint64_t draw) const {
     try {
-      return recut_->recut(best_.sequence, recut_looks_);
+      recut.better = recut.search.recut(best_.sequence, recut_looks_, draw);
     } catch (const InputError&) {
-      return false;
+      recut.better = false;
     }
   }
 
-  /// Follows what was cut anew, if that is better. The next look is longer, as all of a round is.
-  void take_recut(bool better) {
-    Result found;
-    if (better) take_plan(*recut_, false, found);
-    if (found.has_plan() && found.reward > best_.reward) keep_plan(found);
+  /// Follows the first `ways` of what was cut anew where that is better. The next look is longer,
+  /// as all of a round is.
+  void take_recuts(std::size_t ways) {
+    for (std::size_t i = 0; i < ways; ++i) {
+      Result found;
+      if (recuts_[i]->better) take_plan(recuts_[i]->search, false, found);
+      if (found.has_plan() && found.reward > best_.reward) keep_plan(found);
+    }
+    draws_ += ways;
     recut_looks_ = std::min(2 * recut_looks_, std::numeric_limits<std::uint64_t>::max() / 4);
   }
 
@@ -252,11 +289,9 @@ class AndOrRounds {
   /// What the search over all cuts gives.
   Result all_cuts_;
   detail::AndOrSearch<kWords> search_;
-  /// What makes plans better has a search of its own: the two may work at the same time.
-  Budget recut_budget_;
-  Result recut_result_;
-  std::optional<detail::AndOrSearch<kWords>> recut_;
+  std::vector<std::unique_ptr<Recut>> recuts_;
   std::uint64_t recut_looks_ = kRecutLooks;
+  std::uint64_t draws_ = 0;  ///< of plans that were cut anew
   /// The best plan of all searches.
   Result best_;
   /// The bound that the search over all cuts has proved.

@@ -38,12 +38,13 @@ struct AndOrOptions {
 ///             on the losses of its sides stay within a budget, which grows from 0 at the root
 ///             (iterative deepening); sizes of A that lose more are never listed. Where sizes tell
 ///             little of what a cut gains, the cuts of a piece are listed once and kept, those
-///             alone that blocking allows (planners/detail/side_lister.h). Within
+///             alone that blocking allows (planners/detail/side_lister.h), and a longer search goes
+///             on by layers, in several threads (detail::AndOrSearch::sweep()). Within
 ///             max_subassemblies one side is finished before the other is begun, which needs the
 ///             fewest at a time (Sethi and Ullman 1970), so a memory entry is a set of parts and
 ///             the number allowed to it.
-/// Plans.      From the second round on the best plan that is known is cut anew, window by window,
-///             beside the search where there are two threads and else after it
+/// Plans.      The best plan that is known is cut anew, window by window, beside the search where
+///             there are two threads and else after it; before it where it goes by layers
 ///             (detail::AndOrSearch::recut(): iterative dynamic programming and iterated local
 ///             search). The search then begins with a plan that is mostly the best one.
 /// Last cuts.  Where connections differ, as with attempts that succeed more often at one than at

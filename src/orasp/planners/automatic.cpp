@@ -42,7 +42,7 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
   const auto allowed = static_cast<double>(allowed_bytes(budget));
   const GraphEstimate most = estimate_without_constraints(system);
   if (most.actions <= kAutomaticMostActions && most.bytes <= allowed) return true;
-  const GraphEstimate estimate = estimate_graph(system);
+  const GraphEstimate estimate = estimate_graph(system, budget, kAutomaticMostActions);
   return estimate.actions <= kAutomaticMostActions && estimate.bytes <= allowed;
 }
 
@@ -220,8 +220,9 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   }
   if (!findings.best().has_plan() && system.num_connections() > detail::kManyConnections)
     findings.add(detail::peeled_plan(system));
-  // Piece by piece, a short look.
+  // Piece by piece, a short look, from a plan that can be made better.
   const bool by_pieces = !and_or_obstacle(system);
+  if (by_pieces && !findings.best().has_plan()) findings.add(greedy(system, first));
   bool pieces_ended = !by_pieces;
   std::optional<PieceTurns> turns;
   turns.emplace(system, budget, pieces->gains());

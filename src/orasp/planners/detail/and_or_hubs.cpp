@@ -9,8 +9,7 @@ double AndOrSearch<kWords>::first_loss(std::uint32_t number, std::size_t parts, 
                                        double enough) {
   const Set piece = set_of(number);
   const bool completes = (memo_.key(number)[kWords] & kCompletes) != 0;
-  const double least =
-      std::max(loss_by_hubs(piece, parts, bound), loss_by_cores(piece, parts, bound, completes));
+  const double least = loss_by_shape(piece, parts, bound, completes);
   const SmallPieces& small = gains_.prices().small_pieces();
   if (raised_ == nullptr || !small.priced(parts)) return least;
   // By how much the bound is above what the prices say that fit all pieces: negative where another

@@ -40,12 +40,9 @@ template <std::size_t kWords>
 std::optional<double> AndOrSearch<kWords>::loss_of_cut(const BoundedSet& piece,
                                                        const BoundedSet& side,
                                                        const BoundedSet& rest) {
-  const std::size_t side_parts = side.set.size();
-  const std::size_t rest_parts = rest.set.size();
-  if (std::min(side_parts, rest_parts) > gains_.most_moved()) return std::nullopt;
+  if (std::min(side.set.size(), rest.set.size()) > gains_.most_moved()) return std::nullopt;
   ++looks_;
-  const std::optional<double> gain =
-      lister_.gain(piece.set, side.set, rest.set, side_parts, rest_parts);
+  const std::optional<double> gain = lister_.gain_of_any(piece.set, side.set, rest.set);
   if (!gain) return std::nullopt;
   const double loss = piece.bound - *gain - side.bound - rest.bound;
   return std::isfinite(loss) ? std::optional(loss) : std::nullopt;
@@ -205,7 +202,8 @@ double AndOrSearch<kWords>::recut_window(std::vector<CutNode>& nodes, const Wind
 }
 
 template <std::size_t kWords>
-bool AndOrSearch<kWords>::recut(std::span<const ConnectionIndex> plan, std::uint64_t most_looks) {
+bool AndOrSearch<kWords>::recut(std::span<const ConnectionIndex> plan, std::uint64_t most_looks,
+                                std::uint64_t draw) {
   // Few pieces, where the best way is found at once, more often than many.
   constexpr std::size_t kFewAtoms = 6;
   constexpr std::size_t kMostAtoms = 12;
@@ -224,7 +222,7 @@ bool AndOrSearch<kWords>::recut(std::span<const ConnectionIndex> plan, std::uint
     if (nodes[i].piece.set.size() > 2) roots.push_back(i);
   }
   if (roots.empty()) return false;
-  SplitMix64 random(recuts_++);
+  SplitMix64 random(draw);
   const std::uint64_t end = looks_ + most_looks;
   const auto is_over = [&] { return looks_ >= end || result_.stop != Stop::None; };
   const auto window = [&](std::size_t most_atoms, bool any_way) {
@@ -266,10 +264,11 @@ bool AndOrSearch<kWords>::recut(std::span<const ConnectionIndex> plan, std::uint
   return true;
 }
 
-template bool AndOrSearch<1>::recut(std::span<const ConnectionIndex>, std::uint64_t);
-template bool AndOrSearch<2>::recut(std::span<const ConnectionIndex>, std::uint64_t);
-template bool AndOrSearch<4>::recut(std::span<const ConnectionIndex>, std::uint64_t);
-template bool AndOrSearch<8>::recut(std::span<const ConnectionIndex>, std::uint64_t);
-template bool AndOrSearch<16>::recut(std::span<const ConnectionIndex>, std::uint64_t);
+template bool AndOrSearch<1>::recut(std::span<const ConnectionIndex>, std::uint64_t, std::uint64_t);
+template bool AndOrSearch<2>::recut(std::span<const ConnectionIndex>, std::uint64_t, std::uint64_t);
+template bool AndOrSearch<4>::recut(std::span<const ConnectionIndex>, std::uint64_t, std::uint64_t);
+template bool AndOrSearch<8>::recut(std::span<const ConnectionIndex>, std::uint64_t, std::uint64_t);
+template bool AndOrSearch<16>::recut(std::span<const ConnectionIndex>, std::uint64_t,
+                                     std::uint64_t);
 
 }  // namespace orasp::detail

@@ -7,7 +7,8 @@ namespace orasp::detail {
 template <std::size_t kWords>
 AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t forest_seed,
                                  const Budget& budget, Result& result)
-    : problem_(pieces.system.problem()),
+    : shared_(pieces),
+      problem_(pieces.system.problem()),
       gains_(pieces.gains),
       lister_(pieces, forest_seed),
       links_(lister_.links()),
@@ -22,6 +23,7 @@ AndOrSearch<kWords>::AndOrSearch(const PieceProblem& pieces, std::uint64_t fores
       stores_(!limited_ && bounded_ && last_ == nullptr && !pieces.system.gain_by_sizes()),
       raised_(pieces.raised ? &*pieces.raised : nullptr),
       memo_(kWords + 1),
+      sweeps_(stores_ && forest_seed == 0),
       listed_core_parts_(pieces.most_core_parts) {}
 
 /// The pieces of the problem, and how many subassemblies there may be.
@@ -108,7 +110,10 @@ double AndOrSearch<kWords>::solve(const Set& piece, std::size_t allowed, double 
     salt_ = now.salt;
     try_is_over_ = false;
     try_ends_at_ = result_.statistics.expanded + now.patience;
-    const double loss = search(piece, parts, allowed, now.limit);
+    const bool swept = sweeps();
+    const double loss =
+        swept ? sweep(node_of(piece, parts), now.limit) : search(piece, parts, allowed, now.limit);
+    if (swept && !sweeps_) continue;  // a piece has too many cuts to keep: one by one again
     if (try_is_over_ && result_.stop == Stop::None && !run_is_over_) {
       now.patience *= 2;
       ++now.salt;
@@ -129,6 +134,7 @@ double AndOrSearch<kWords>::solve(const Set& piece, std::size_t allowed, double 
       now.step /= 2;
     }
     now.limit = std::max(loss, now.limit + now.step) + slack(scale);
+    if (sweeps() && useful_loss - now.limit < now.step) now.limit = useful_loss;
   }
 }
 

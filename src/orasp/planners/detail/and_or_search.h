@@ -89,17 +89,21 @@ class AndOrSearch {
   /// worse (iterated local search). Reference: Kossmann and Stocker (2000), Iterative dynamic
   /// programming, ACM Trans. Database Systems 25(1), 43-82, for orders of joins; Lourenco, Martin
   /// and Stuetzle (2003), Iterated local search, in Handbook of Metaheuristics. A window of n
-  /// pieces takes 3^n / 2 looks at most. Not under max_subassemblies, where what a piece may lose
-  /// depends on what waits beside it.
+  /// pieces takes 3^n / 2 looks at most. Another `draw` draws other windows. Not under
+  /// max_subassemblies, where what a piece may lose depends on what waits beside it.
   /// @returns whether less is lost; the next sequence() then follows what was found, which need not
   /// be legal where the order of the cuts matters.
-  bool recut(std::span<const ConnectionIndex> plan, std::uint64_t most_looks);
+  bool recut(std::span<const ConnectionIndex> plan, std::uint64_t most_looks, std::uint64_t draw);
 
   /// A plan that earns so much is known: what loses more need not be looked at.
   void know_plan(double reward) { known_reward_ = std::max(known_reward_, reward); }
 
   /// Whether the cuts of pieces are kept, so that sequence() may be asked for a dive at any time.
   [[nodiscard]] bool keeps_cuts() const { return stores_; }
+  /// Whether the next run() goes on by sweep(), with all threads.
+  [[nodiscard]] bool sweeps() const {
+    return sweeps_ && stores_ && result_.statistics.expanded >= shared_.sweep_from;
+  }
   /// Whether those of the whole pieces are few enough. Only after run().
   [[nodiscard]] bool keeps_all_cuts() const;
 
@@ -267,21 +271,55 @@ class AndOrSearch {
   static constexpr std::size_t kMostPartsWithReach = 512;
   double most_with(std::size_t parts, const Hubs& found);
   double first_loss(std::uint32_t number, std::size_t parts, double bound, double enough);
+  double loss_by_shape(const Set& piece, std::size_t parts, double bound, bool completes) {
+    return std::max(loss_by_hubs(piece, parts, bound),
+                    loss_by_cores(piece, parts, bound, completes));
+  }
   void raise_on_path(std::size_t depth, std::uint32_t number, double enough);
   double loss_by_hubs(const Set& piece, std::size_t parts, double bound);
   double by_reach(std::size_t parts, std::size_t reach);
   Hubs hubs(const Set& piece, std::size_t parts);
   Hubs hubs_of_tree(const Set& piece, std::size_t parts);
 
+  // and_or_sweep.cpp
+  struct Swept;
+  struct Batch;
+  /// What one thread of sweep() works with.
+  struct Sweeper {
+    explicit Sweeper(const PieceProblem& pieces) : lister(pieces, 0) {}
+    CutLister<kWords> lister;
+    typename CutLister<kWords>::List listed;
+    RaisedPrices::Raise raise;
+    std::vector<PartIndex> parts;
+  };
+  /// A sweep that a run had to leave: its root, kNone where there is none, its limit, and the parts
+  /// of the layer that it had come to.
+  struct Unfinished {
+    std::uint32_t root = kNone;
+    double limit = 0;
+    std::size_t layer = 0;
+  };
+  double sweep(std::uint32_t root, double limit);
+  std::vector<Swept> reached_pieces(std::size_t parts, bool priced);
+  void sweep_layer(std::size_t parts);
+  template <class Stop>
+  void look_at_batch(std::span<Swept> pieces, bool priced, Sweeper& sweeper, Batch& into,
+                     Stop&& stop) const;
+  void take_batch(std::size_t parts, std::span<const Swept> pieces, const Batch& batch);
+  void settle_swept(std::uint32_t number);
+
   // and_or_stored.cpp
   std::uint32_t node_of(const Set& set, std::size_t parts);
   std::uint32_t node_of(const Set& set, std::uint64_t hash, double bound);
-  void keep_listed();
+  void count_listed(std::uint64_t looks);
+  bool keep_cuts(std::uint32_t number, double limit,
+                 std::span<const typename CutLister<kWords>::Found> cuts,
+                 std::span<const std::uint64_t> hashes, double skipped, bool complete);
   void look_at(std::uint32_t number, double limit);
   double search_stored(std::uint32_t number, double limit);
   bool store_cuts(std::uint32_t number, double limit);
   std::pair<double, double> least_stored_loss(std::uint32_t number, double limit);
-  [[nodiscard]] std::optional<Cut> next_stored_cut(const Set& piece, std::size_t parts, bool dive);
+  [[nodiscard]] std::optional<Cut> next_stored_cut(std::uint32_t number) const;
   [[nodiscard]] Set set_of(std::uint32_t number) const {
     Set set;
     std::copy_n(memo_.key(number), kWords, set.words.begin());
@@ -457,9 +495,11 @@ class AndOrSearch {
     constexpr std::size_t kUntilNextLook = 512;
     return memo_.bytes_with(kUntilNextLook) + loss_.bytes() + exact_.bytes() +
            cuts_.capacity() * sizeof(Cut) + upper_.bytes() + lists_.bytes() + stored_.bytes() +
+           left_.capacity() * (sizeof(double) + sizeof(std::uint32_t)) +
            (cores_[0].capacity() + cores_[1].capacity()) * sizeof(Core);
   }
 
+  const PieceProblem& shared_;
   const Problem& problem_;
   const PieceGains& gains_;
   CutLister<kWords> lister_;
@@ -515,6 +555,15 @@ class AndOrSearch {
   std::vector<std::uint32_t> path_of_pieces_;
   std::vector<RaiseOnPath> raises_;
 
+  /// Whether sweep() may be used from here on: no piece had too many cuts to keep.
+  bool sweeps_;
+  /// For sweep(): what each piece of memo_ may lose at most, and the pieces that are reached, by
+  /// their parts.
+  std::vector<double> left_;
+  std::vector<std::vector<std::uint32_t>> layers_;
+  Unfinished unfinished_;
+  std::vector<std::unique_ptr<Sweeper>> sweepers_;  ///< of each thread
+
   /// Scratch memory: whether sides of each size are wanted, whether each connection is gone, and
   /// what hubs() has met.
   std::vector<unsigned char> wanted_;
@@ -561,8 +610,6 @@ class AndOrSearch {
   bool peeling_ = false;
   /// What the last peel() or recut() found: pieces, each with the side to cut off it.
   std::vector<std::pair<Set, Set>> peeled_;
-  /// How often recut() was asked; each time draws other windows.
-  std::uint64_t recuts_ = 0;
 };
 
 }  // namespace orasp::detail

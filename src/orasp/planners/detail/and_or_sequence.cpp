@@ -11,7 +11,13 @@ auto AndOrSearch<kWords>::next_cut(const Set& piece, std::size_t parts, std::siz
   if (peeled != peeled_.end())
     return Cut{
         .side = peeled->second, .own_loss = 0, .estimate = 0, .order = 0, .side_waits = false};
-  if (stores_) return next_stored_cut(piece, parts, dive);
+  if (stores_) {
+    const std::uint32_t number = node_of(piece, parts);
+    if (exact_[number] == 0 && !dive) return std::nullopt;
+    const StoredCuts& list = lists_[number];
+    if (list.kept || (!list.too_many && store_cuts(number, most_loss_)))
+      return next_stored_cut(number);
+  }
   const Set form = form_of(piece, parts);
   const bool known = is_exact(form, allowed);
   if (!known && !dive) return std::nullopt;

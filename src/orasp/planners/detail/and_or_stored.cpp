@@ -61,52 +61,61 @@ double AndOrSearch<kWords>::search_stored(std::uint32_t number, double limit) {
 template <std::size_t kWords>
 bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
   const Set piece = set_of(number);
-  ++result_.statistics.expanded;
-  if (result_.statistics.expanded % 256 == 0) poll();
-  if (result_.statistics.expanded >= run_ends_at_) run_is_over_ = true;
   if (must_stop()) return false;
   const double most = std::max(limit, most_loss_);
   lister_.list(piece, upper_[number], most, listed_, [&] {
     poll();
     return must_stop();
   });
-  looks_ += listed_.looks;
-  if (looks_ >= looks_end_at_) run_is_over_ = true;
+  count_listed(listed_.looks);
+  if (must_stop()) return false;
+  hashes_.clear();
+  for (const auto& cut : listed_.cuts) {
+    hashes_.push_back(memo_.hash(key(cut.side, 0).data()));
+    hashes_.push_back(memo_.hash(key(cut.rest, 0).data()));
+  }
+  return keep_cuts(number, most, listed_.cuts, hashes_, listed_.skipped, listed_.complete);
+}
+
+/// Counts a piece whose cuts were listed.
+template <std::size_t kWords>
+void AndOrSearch<kWords>::count_listed(std::uint64_t looks) {
+  ++result_.statistics.expanded;
+  if (result_.statistics.expanded % 256 == 0) poll();
+  looks_ += looks;
+  if (result_.statistics.expanded >= run_ends_at_ || looks_ >= looks_end_at_) run_is_over_ = true;
+}
+
+/// Keeps the cuts of a piece whose own loss is within `limit`, with the hashes of their sides.
+/// False where they are not all, or too many to keep.
+template <std::size_t kWords>
+bool AndOrSearch<kWords>::keep_cuts(std::uint32_t number, double limit,
+                                    std::span<const typename CutLister<kWords>::Found> cuts,
+                                    std::span<const std::uint64_t> hashes, double skipped,
+                                    bool complete) {
   const bool room = (stored_.size() + memo_.size()) * sizeof(StoredCut) < allowed_bytes_ / 4;
-  if (must_stop() || !listed_.complete || !room) {
-    lists_[number].too_many = !must_stop();
+  if (!complete || !room) {
+    lists_[number].too_many = true;
     return false;
   }
+  // The places of all sides in the table are asked for before the first is needed: each is far from
+  // the others in memory.
+  for (const std::uint64_t hash : hashes) memo_.prefetch(hash);
   const std::uint64_t begin = stored_.size();
-  keep_listed();
+  const std::uint64_t* hash = hashes.data();
+  for (const auto& cut : cuts) {
+    const std::uint32_t side = node_of(cut.side, *hash++, cut.side_bound);
+    const std::uint32_t rest = node_of(cut.rest, *hash++, cut.rest_bound);
+    stored_.push_back({side, rest, cut.own_loss});
+  }
   lists_[number] = {.begin = begin,
                     .size = static_cast<std::uint32_t>(stored_.size() - begin),
                     .kept = true,
                     .too_many = false,
                     .looked_at = true,
-                    .limit = most,
-                    .skipped = listed_.skipped};
+                    .limit = limit,
+                    .skipped = skipped};
   return true;
-}
-
-/// Keeps the cuts of listed_.
-template <std::size_t kWords>
-void AndOrSearch<kWords>::keep_listed() {
-  // The places of all sides in the table are asked for before the first is needed: each is far from
-  // the others in memory.
-  hashes_.clear();
-  for (const auto& cut : listed_.cuts) {
-    for (const Set& set : {cut.side, cut.rest}) {
-      hashes_.push_back(memo_.hash(key(set, 0).data()));
-      memo_.prefetch(hashes_.back());
-    }
-  }
-  const std::uint64_t* hash = hashes_.data();
-  for (const auto& cut : listed_.cuts) {
-    const std::uint32_t side = node_of(cut.side, *hash++, cut.side_bound);
-    const std::uint32_t rest = node_of(cut.rest, *hash++, cut.rest_bound);
-    stored_.push_back({side, rest, cut.own_loss});
-  }
 }
 
 /// As least_loss(), for a piece whose cuts are kept.
@@ -175,14 +184,10 @@ bool AndOrSearch<kWords>::keeps_all_cuts() const {
          });
 }
 
-/// As next_cut(), where cuts are kept.
+/// As next_cut(), for a piece whose cuts are kept.
 template <std::size_t kWords>
-auto AndOrSearch<kWords>::next_stored_cut(const Set& piece, std::size_t parts, bool dive)
-    -> std::optional<Cut> {
-  const std::uint32_t number = node_of(piece, parts);
+auto AndOrSearch<kWords>::next_stored_cut(std::uint32_t number) const -> std::optional<Cut> {
   const bool known = exact_[number] != 0;
-  if (!known && !dive) return std::nullopt;
-  if (!lists_[number].kept && !store_cuts(number, most_loss_)) return std::nullopt;
   const StoredCuts list = lists_[number];
   const StoredCut* best = nullptr;
   double least = kInfinity;
@@ -206,22 +211,27 @@ auto AndOrSearch<kWords>::next_stored_cut(const Set& piece, std::size_t parts, b
 template std::uint32_t AndOrSearch<1>::node_of(const Set&, std::size_t);
 template double AndOrSearch<1>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<1>::keeps_all_cuts() const;
-template auto AndOrSearch<1>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
+template bool AndOrSearch<1>::store_cuts(std::uint32_t, double);
+template auto AndOrSearch<1>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<2>::node_of(const Set&, std::size_t);
 template double AndOrSearch<2>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<2>::keeps_all_cuts() const;
-template auto AndOrSearch<2>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
+template bool AndOrSearch<2>::store_cuts(std::uint32_t, double);
+template auto AndOrSearch<2>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<4>::node_of(const Set&, std::size_t);
 template double AndOrSearch<4>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<4>::keeps_all_cuts() const;
-template auto AndOrSearch<4>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
+template bool AndOrSearch<4>::store_cuts(std::uint32_t, double);
+template auto AndOrSearch<4>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<8>::node_of(const Set&, std::size_t);
 template double AndOrSearch<8>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<8>::keeps_all_cuts() const;
-template auto AndOrSearch<8>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
+template bool AndOrSearch<8>::store_cuts(std::uint32_t, double);
+template auto AndOrSearch<8>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<16>::node_of(const Set&, std::size_t);
 template double AndOrSearch<16>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<16>::keeps_all_cuts() const;
-template auto AndOrSearch<16>::next_stored_cut(const Set&, std::size_t, bool) -> std::optional<Cut>;
+template bool AndOrSearch<16>::store_cuts(std::uint32_t, double);
+template auto AndOrSearch<16>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 
 }  // namespace orasp::detail

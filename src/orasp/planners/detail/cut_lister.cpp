@@ -169,6 +169,33 @@ bool CutLister<kWords>::may_precede(const Set& side, const Set& rest) {
   return hangs_together(side) && hangs_together(rest);
 }
 
+/// gain(), by what is remembered of sets that move.
+template <std::size_t kWords>
+std::optional<double> CutLister<kWords>::remembered_gain(const Set& piece, const Set& side,
+                                                         const Set& rest, std::size_t side_parts,
+                                                         std::size_t rest_parts, bool free) {
+  const bool one_moves =
+      by_moved_ && side_parts != rest_parts && (free || problem_.directions().empty());
+  if (!one_moves) return gain(piece, side, rest, side_parts, rest_parts, free);
+  const bool side_moves = side_parts < rest_parts;
+  KnownBound& moved = side_moves ? known(side, side_parts) : known(rest, rest_parts);
+  if (!moved.gain) moved.gain = gain(piece, side, rest, side_parts, rest_parts, free);
+  return moved.gain;
+}
+
+template <std::size_t kWords>
+std::optional<double> CutLister<kWords>::gain_of_any(const Set& piece, const Set& side,
+                                                     const Set& rest) {
+  const std::size_t side_parts = side.size();
+  const std::size_t rest_parts = rest.size();
+  const bool seen = links_.sides && links_.sides->sees_blocking(piece);
+  const bool side_is_smaller = side_parts < rest_parts;
+  if (seen &&
+      !links_.sides->parts_along_some(side_is_smaller ? side : rest, side_is_smaller ? rest : side))
+    return std::nullopt;
+  return remembered_gain(piece, side, rest, side_parts, rest_parts, seen);
+}
+
 /// Adds the cut into `side` and `rest` if it is legal and loses at most `limit` itself.
 template <std::size_t kWords>
 void CutLister<kWords>::add(const Set& piece, double here, const Set& side, const Set& rest,
@@ -176,17 +203,8 @@ void CutLister<kWords>::add(const Set& piece, double here, const Set& side, cons
   const std::size_t side_parts = side.size();
   const std::size_t rest_parts = rest.size();
   if (std::min(side_parts, rest_parts) > pieces_.gains.most_moved()) return;
-  std::optional<double> gained;
-  const bool one_moves =
-      by_moved_ && side_parts != rest_parts && (free || problem_.directions().empty());
-  if (one_moves) {
-    const bool side_moves = side_parts < rest_parts;
-    KnownBound& moved = side_moves ? known(side, side_parts) : known(rest, rest_parts);
-    if (!moved.gain) moved.gain = gain(piece, side, rest, side_parts, rest_parts, free);
-    gained = moved.gain;
-  } else {
-    gained = gain(piece, side, rest, side_parts, rest_parts, free);
-  }
+  const std::optional<double> gained =
+      remembered_gain(piece, side, rest, side_parts, rest_parts, free);
   if (!gained) return;
   const double side_bound = known(side, side_parts).bound;
   const double rest_bound = known(rest, rest_parts).bound;

@@ -91,6 +91,8 @@ class CutLister {
   /// `free`: whether one side is known to leave the other along some direction.
   std::optional<double> gain(const Set& piece, const Set& side, const Set& rest,
                              std::size_t side_parts, std::size_t rest_parts, bool free = false);
+  /// The same of any two sides that hang together.
+  std::optional<double> gain_of_any(const Set& piece, const Set& side, const Set& rest);
   /// What each of `connections` gains as the last between `side` and `rest`.
   template <class Visit>
   void gains_as_last(const Set& side, const Set& rest, std::span<const ConnectionIndex> connections,
@@ -138,6 +140,8 @@ class CutLister {
   void add(const Set& piece, double here, const Set& side, const Set& rest, double limit, bool free,
            List& into);
   KnownBound& known(const Set& set, std::size_t parts);
+  std::optional<double> remembered_gain(const Set& piece, const Set& side, const Set& rest,
+                                        std::size_t side_parts, std::size_t rest_parts, bool free);
 
   const PieceProblem& pieces_;
   const Problem& problem_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -48,6 +50,8 @@ struct PieceProblem {
   std::optional<RaisedPrices> raised;  ///< where the bound of pieces is by prices
   /// The most parts of a core (AndOrSearch::find_cores).
   std::size_t most_core_parts = 6;
+  /// Pieces are swept once so many were expanded one by one (AndOrSearch::sweep).
+  std::uint64_t sweep_from = 4'000;
 };
 
 }  // namespace orasp::detail

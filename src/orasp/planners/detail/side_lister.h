@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -55,6 +56,12 @@ class SideLister {
   /// along some direction.
   [[nodiscard]] bool sees_blocking(const Set& piece) const {
     return !directions_.empty() && (piece & base_).size() <= 1;
+  }
+
+  /// Whether one of two sides of a piece leaves the other along some direction; only where
+  /// sees_blocking() says so of the piece.
+  [[nodiscard]] bool parts_along_some(const Set& a, const Set& b) const {
+    return std::ranges::any_of(directions_, [&](std::size_t d) { return leaves(a, b, d); });
   }
 
   /// Calls offer(a, b) for each way to part `piece`, which is connected, until stop() says so.
