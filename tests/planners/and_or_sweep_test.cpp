@@ -60,6 +60,8 @@ TEST(AndOr, FindsTheBestPlanBySweeps) {
           std::size_t runs = 0;
           for (bool done = false; !done; ++runs) {
             ASSERT_LT(runs, 10'000U);
+            // A better plan makes the limit of a sweep lower that a run had to leave.
+            if (runs == 2 && truth.has_plan()) search.know_plan(truth.reward - 0.05);
             done = search.run(length, 1'000'000);
             if (truth.has_plan()) {
               ASSERT_GE(*spent.bound, truth.reward - tolerance);
@@ -86,9 +88,9 @@ TEST(AndOr, FindsTheBestPlanBySweeps) {
       }
     }
   }
-  EXPECT_GT(solved, some_of(500U));
-  EXPECT_GT(in_several_runs, some_of(250U));
-  EXPECT_GT(infeasible, 0U);
+  EXPECT_GE(solved, more_than(500U));
+  EXPECT_GE(in_several_runs, more_than(250U));
+  EXPECT_GE(infeasible, more_than(0U));
 }
 
 // Where there is no room to keep all cuts, sweeps end, and the search goes on piece by piece.
@@ -153,6 +155,32 @@ TEST(AndOr, ProvesNothingFromASweepThatAFormulaEnded) {
     }
   }
   EXPECT_GT(without_value, 10U);
+}
+
+// Where the sets of seven parts are the largest that there is room for, two systems of prices are
+// made at the same time: no bound is below the truth, and it is the same every time.
+TEST(SmallPieces, MakesTwoSystemsOfPricesAtATime) {
+  std::size_t of_six_or_seven = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem problem(locked_product(seed, "time", 12));
+    const TransitionSystem system(problem);
+    const Result truth = value_iteration(system, {}, Budget{});
+    std::vector<PartIndex> all;
+    for (PartIndex part = 0; part < problem.num_parts(); ++part) all.push_back(part);
+    for (std::size_t listed = 50; listed < 800; listed += 50) {
+      const PieceGains gains(system, {.most_sets = listed});
+      const SmallPieces& pieces = gains.prices().small_pieces();
+      if (!pieces.known() || !pieces.more_could_be_listed()) continue;
+      if (pieces.priced(8) && !pieces.priced(6)) ++of_six_or_seven;
+      if (truth.has_plan()) {
+        ASSERT_GE(pieces.bound(all), truth.reward - 1e-9);
+      }
+      const PieceGains again(system, {.most_sets = listed});
+      ASSERT_EQ(pieces.bound(all), again.prices().small_pieces().bound(all));
+    }
+  }
+  EXPECT_GT(of_six_or_seven, 0U);
 }
 
 }  // namespace
