@@ -220,9 +220,13 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
   }
   if (!findings.best().has_plan() && system.num_connections() > detail::kManyConnections)
     findings.add(detail::peeled_plan(system));
-  // Piece by piece, a short look, from a plan that can be made better.
+  // Piece by piece, a short look; from a plan that can be made better, where one comes at once.
   const bool by_pieces = !and_or_obstacle(system);
-  if (by_pieces && !findings.best().has_plan()) findings.add(greedy(system, first));
+  if (by_pieces && !findings.best().has_plan()) {
+    Budget at_once = budget;
+    at_once.max_expansions = std::min(budget.max_expansions, 2 * system.num_connections());
+    findings.add(greedy(system, at_once));
+  }
   bool pieces_ended = !by_pieces;
   std::optional<PieceTurns> turns;
   turns.emplace(system, budget, pieces->gains());

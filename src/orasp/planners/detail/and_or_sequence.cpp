@@ -17,6 +17,7 @@ auto AndOrSearch<kWords>::next_cut(const Set& piece, std::size_t parts, std::siz
     const StoredCuts& list = lists_[number];
     if (list.kept || (!list.too_many && store_cuts(number, most_loss_)))
       return next_stored_cut(number);
+    if (exact_[number] == 0) return std::nullopt;  // too many to look at them all for a guess
   }
   const Set form = form_of(piece, parts);
   const bool known = is_exact(form, allowed);
