@@ -38,6 +38,7 @@ class AndOrRounds {
       : pieces_(pieces),
         budget_(budget),
         search_(pieces, 0, budget, all_cuts_),
+        recut_looks_(search_.recuts_quickly() ? kQuickRecutLooks : kRecutLooks),
         symmetry_use_(symmetry) {
     best_.method = "and-or";
   }
@@ -88,8 +89,9 @@ class AndOrRounds {
   /// Where cores are known, larger problems are not peeled nor searched along forests: each cut
   /// takes a spanning tree to look at, and the search goes straight to a plan by itself.
   static constexpr std::uint64_t kMostPeeledParts = 128;
-  /// Looks at cuts while a plan is made better, at first; a tenth of a second.
-  static constexpr std::uint64_t kRecutLooks = 1'000'000;
+  /// Looks at cuts while a plan is made better, at first; a tenth of a second or two.
+  static constexpr std::uint64_t kRecutLooks = 200'000;
+  static constexpr std::uint64_t kQuickRecutLooks = 1'000'000;
   /// The same where the search waits meanwhile: a tenth of its time.
   static constexpr std::uint64_t kRecutLooksPerExpansion = 1;
 
@@ -290,7 +292,7 @@ class AndOrRounds {
   Result all_cuts_;
   detail::AndOrSearch<kWords> search_;
   std::vector<std::unique_ptr<Recut>> recuts_;
-  std::uint64_t recut_looks_ = kRecutLooks;
+  std::uint64_t recut_looks_;
   std::uint64_t draws_ = 0;  ///< of plans that were cut anew
   /// The best plan of all searches.
   Result best_;
