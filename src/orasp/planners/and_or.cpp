@@ -92,7 +92,7 @@ class AndOrRounds {
   /// Looks at cuts while a plan is made better, at first; a tenth of a second or two.
   static constexpr std::uint64_t kRecutLooks = 200'000;
   static constexpr std::uint64_t kQuickRecutLooks = 1'000'000;
-  /// The same where the search waits meanwhile: a tenth of its time.
+  /// The same where the search waits meanwhile: a tenth of its time at most.
   static constexpr std::uint64_t kRecutLooksPerExpansion = 1;
 
   /// Looks for symmetry, once: where it was asked for at once, and by itself where the search is
