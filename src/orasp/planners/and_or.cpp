@@ -69,7 +69,7 @@ class AndOrRounds {
       if (!proved() && !done && stop == Stop::None && !all_kept && may_peel &&
           !pieces_.graph.is_forest())
         stop = search_forests(round, longer);
-      if (!proved() && !done && stop == Stop::None && recuts_.empty()) recut();
+      if (!proved() && !done && stop == Stop::None && recuts_.empty()) recut(recut_looks_);
       if (!done && !proved() && stop == Stop::None) {
         look_for_symmetry(true);
         if (round < last_round) continue;
@@ -161,14 +161,13 @@ class AndOrRounds {
   bool search(std::uint64_t expansions, std::uint64_t looks) {
     const bool recuts = best_.has_plan();
     if (search_.sweeps()) {
-      recut_looks_ = kRecutLooksPerExpansion * expansions;
-      recut();
+      recut(kRecutLooksPerExpansion * expansions);
       return search_.run(expansions, looks);
     }
     if (!recuts || budget_.threads < 2) {
       const bool done = search_.run(expansions, looks);
       if (recuts && !done && all_cuts_.stop == Stop::None) {
-        find_recut(recut_number(0), draws_);
+        find_recut(recut_number(0), recut_looks_, draws_);
         take_recuts(1);
       }
       return done;
@@ -180,7 +179,7 @@ class AndOrRounds {
     const std::stop_callback stopped(budget_.stop, [&] { enough.request_stop(); });
     detail::run_parallel(2, [&](std::size_t thread) {
       if (thread == 1) {
-        find_recut(beside, draws_);
+        find_recut(beside, recut_looks_, draws_);
         return;
       }
       done = search_.run(expansions, looks);
@@ -207,23 +206,25 @@ class AndOrRounds {
     return *recuts_[number];
   }
 
-  /// Cuts the best plan anew, window by window, in two ways at the same time.
-  void recut() {
+  /// Cuts the best plan anew, window by window, in two ways at the same time, with so many looks
+  /// each.
+  void recut(std::uint64_t looks) {
     if (!best_.has_plan()) return;
     constexpr std::size_t kWays = 2;
     static_cast<void>(recut_number(kWays - 1));
     const std::size_t threads = std::min<std::size_t>(std::max(1U, budget_.threads), kWays);
     detail::run_parallel(threads, [&](std::size_t thread) {
-      for (std::size_t i = thread; i < kWays; i += threads) find_recut(*recuts_[i], draws_ + i);
+      for (std::size_t i = thread; i < kWays; i += threads)
+        find_recut(*recuts_[i], looks, draws_ + i);
     });
     take_recuts(kWays);
   }
 
   /// Finds whether the best plan can be cut anew to be better; another `draw` looks elsewhere. A
   /// formula without a value for some cut ends the look: no plan need ever make that cut.
-  void find_recut(Recut& recut, std::uint64_t draw) const {
+  void find_recut(Recut& recut, std::uint64_t looks, std::uint64_t draw) const {
     try {
-      recut.better = recut.search.recut(best_.sequence, recut_looks_, draw);
+      recut.better = recut.search.recut(best_.sequence, looks, draw);
     } catch (const InputError&) {
       recut.better = false;
     }

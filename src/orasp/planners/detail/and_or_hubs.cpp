@@ -10,12 +10,9 @@ double AndOrSearch<kWords>::first_loss(std::uint32_t number, std::size_t parts, 
   const Set piece = set_of(number);
   const bool completes = (memo_.key(number)[kWords] & kCompletes) != 0;
   const double least = loss_by_shape(piece, parts, bound, completes);
-  const SmallPieces& small = gains_.prices().small_pieces();
-  if (raised_ == nullptr || !small.priced(parts)) return least;
-  // By how much the bound is above what the prices say that fit all pieces: negative where another
-  // bound is closer. What the parts of this piece cost more is loss beyond that.
+  if (!has_own_prices(parts)) return least;
   list_parts(piece, parts_);
-  const double above = bound - (small.bound(parts_) - tree(piece)) - slack(scale_);
+  const double above = above_prices(parts_, bound, tree(piece));
   const std::size_t depth = path_of_pieces_.size();
   if (raises_.size() <= depth) raises_.resize(depth + 1);
   // Other sides of the piece that this one is cut from are looked at soon.
@@ -23,6 +20,15 @@ double AndOrSearch<kWords>::first_loss(std::uint32_t number, std::size_t parts, 
     raise_on_path(depth - 1, path_of_pieces_.back(), kInfinity);
   raise_on_path(depth, number, enough - above);
   return std::max(least, above + raises_[depth].raise.sum());
+}
+
+/// By how much the bound of a piece is above what the prices say that fit all pieces: negative
+/// where another bound is closer. What the parts of the piece cost more is loss beyond that. `tree`
+/// is what the bound counts for connections.
+template <std::size_t kWords>
+double AndOrSearch<kWords>::above_prices(std::span<const PartIndex> piece, double bound,
+                                         double tree) const {
+  return bound - (gains_.prices().small_pieces().bound(piece) - tree) - slack(scale_);
 }
 
 /// Fits prices to a piece at `depth`, by those of the nearest piece above it that is there.
@@ -149,10 +155,20 @@ auto AndOrSearch<kWords>::hubs(const Set& piece, std::size_t parts) -> Hubs {
   return found;
 }
 
+template double AndOrSearch<1>::above_prices(std::span<const PartIndex>, double, double) const;
+template double AndOrSearch<2>::above_prices(std::span<const PartIndex>, double, double) const;
+template double AndOrSearch<4>::above_prices(std::span<const PartIndex>, double, double) const;
+template double AndOrSearch<8>::above_prices(std::span<const PartIndex>, double, double) const;
+template double AndOrSearch<16>::above_prices(std::span<const PartIndex>, double, double) const;
+template double AndOrSearch<1>::loss_by_hubs(const Set&, std::size_t, double);
 template double AndOrSearch<1>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<2>::loss_by_hubs(const Set&, std::size_t, double);
 template double AndOrSearch<2>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<4>::loss_by_hubs(const Set&, std::size_t, double);
 template double AndOrSearch<4>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<8>::loss_by_hubs(const Set&, std::size_t, double);
 template double AndOrSearch<8>::first_loss(std::uint32_t, std::size_t, double, double);
+template double AndOrSearch<16>::loss_by_hubs(const Set&, std::size_t, double);
 template double AndOrSearch<16>::first_loss(std::uint32_t, std::size_t, double, double);
 
 }  // namespace orasp::detail

@@ -277,6 +277,12 @@ class AndOrSearch {
     return std::max(loss_by_hubs(piece, parts, bound),
                     loss_by_cores(piece, parts, bound, completes));
   }
+  /// Whether prices of its own say more of a piece of so many parts.
+  [[nodiscard]] bool has_own_prices(std::size_t parts) const {
+    return raised_ != nullptr && gains_.prices().small_pieces().priced(parts);
+  }
+  [[nodiscard]] double above_prices(std::span<const PartIndex> piece, double bound,
+                                    double tree) const;
   void raise_on_path(std::size_t depth, std::uint32_t number, double enough);
   double loss_by_hubs(const Set& piece, std::size_t parts, double bound);
   double by_reach(std::size_t parts, std::size_t reach);
@@ -313,6 +319,35 @@ class AndOrSearch {
   // and_or_stored.cpp
   std::uint32_t node_of(const Set& set, std::size_t parts);
   std::uint32_t node_of(const Set& set, std::uint64_t hash, double bound);
+  /// Writes the hashes of the sides of cuts after `into`, as keep_cuts() takes them.
+  void add_hashes(std::span<const typename CutLister<kWords>::Found> cuts,
+                  std::vector<std::uint64_t>& into) const {
+    for (const auto& cut : cuts) {
+      into.push_back(memo_.hash(key(cut.side, 0).data()));
+      into.push_back(memo_.hash(key(cut.rest, 0).data()));
+    }
+  }
+  /// What is known of the loss of a piece with a cut that is kept.
+  [[nodiscard]] double estimate(const StoredCut& cut) const {
+    return cut.own_loss + loss_[cut.side] + loss_[cut.rest];
+  }
+  [[nodiscard]] bool solved(const StoredCut& cut) const {
+    return exact_[cut.side] != 0 && exact_[cut.rest] != 0;
+  }
+  /// Calls visit(place) for the place in stored_ of each kept cut of a piece.
+  template <class Visit>
+  void for_each_kept(const StoredCuts& list, Visit&& visit) const {
+    // What the sides of a cut lose is far from one another in memory.
+    constexpr std::uint64_t kAhead = 8;
+    const std::uint64_t end = list.begin + list.size;
+    for (std::uint64_t i = list.begin; i < end; ++i) {
+      if (i + kAhead < end) {
+        __builtin_prefetch(&loss_[stored_[i + kAhead].side]);
+        __builtin_prefetch(&loss_[stored_[i + kAhead].rest]);
+      }
+      visit(i);
+    }
+  }
   void count_listed(std::uint64_t looks);
   bool keep_cuts(std::uint32_t number, double limit,
                  std::span<const typename CutLister<kWords>::Found> cuts,

@@ -70,10 +70,7 @@ bool AndOrSearch<kWords>::store_cuts(std::uint32_t number, double limit) {
   count_listed(listed_.looks);
   if (must_stop()) return false;
   hashes_.clear();
-  for (const auto& cut : listed_.cuts) {
-    hashes_.push_back(memo_.hash(key(cut.side, 0).data()));
-    hashes_.push_back(memo_.hash(key(cut.rest, 0).data()));
-  }
+  add_hashes(listed_.cuts, hashes_);
   return keep_cuts(number, most, listed_.cuts, hashes_, listed_.skipped, listed_.complete);
 }
 
@@ -123,28 +120,18 @@ template <std::size_t kWords>
 std::pair<double, double> AndOrSearch<kWords>::least_stored_loss(std::uint32_t number,
                                                                  double limit) {
   const StoredCuts list = lists_[number];
-  const auto estimate = [&](const StoredCut& cut) {
-    return cut.own_loss + loss_[cut.side] + loss_[cut.rest];
-  };
   const double tie = slack(scale_);
   const std::size_t begin = promising_.size();
   double best = kInfinity;
   double next = list.skipped;
-  const std::uint64_t list_end = list.begin + list.size;
-  for (std::uint64_t i = list.begin; i < list_end; ++i) {
-    // What the sides of a cut lose is far from one another in memory.
-    constexpr std::uint64_t kAhead = 8;
-    if (i + kAhead < list_end) {
-      __builtin_prefetch(&loss_[stored_[i + kAhead].side]);
-      __builtin_prefetch(&loss_[stored_[i + kAhead].rest]);
-    }
+  for_each_kept(list, [&](std::uint64_t i) {
     const double least = estimate(stored_[i]);
     if (least <= limit) {
       promising_.emplace_back(least, i);
     } else {
       next = std::min(next, least);
     }
-  }
+  });
   std::sort(promising_.begin() + static_cast<std::ptrdiff_t>(begin), promising_.end());
   const std::size_t end = promising_.size();
   for (std::size_t i = begin; i < end && !must_stop(); ++i) {
@@ -191,15 +178,13 @@ auto AndOrSearch<kWords>::next_stored_cut(std::uint32_t number) const -> std::op
   const StoredCuts list = lists_[number];
   const StoredCut* best = nullptr;
   double least = kInfinity;
-  for (std::uint64_t i = list.begin; i < list.begin + list.size; ++i) {
+  for_each_kept(list, [&](std::uint64_t i) {
     const StoredCut& cut = stored_[i];
-    const double estimate = cut.own_loss + loss_[cut.side] + loss_[cut.rest];
     // Where the loss of the piece is exact, so are those of the sides of a best cut.
-    const bool solved = exact_[cut.side] != 0 && exact_[cut.rest] != 0;
-    if (estimate >= least || (known && !solved)) continue;
+    if (estimate(cut) >= least || (known && !solved(cut))) return;
     best = &cut;
-    least = estimate;
-  }
+    least = estimate(cut);
+  });
   if (best == nullptr) return std::nullopt;
   return Cut{.side = set_of(best->side),
              .own_loss = best->own_loss,
@@ -212,26 +197,42 @@ template std::uint32_t AndOrSearch<1>::node_of(const Set&, std::size_t);
 template double AndOrSearch<1>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<1>::keeps_all_cuts() const;
 template bool AndOrSearch<1>::store_cuts(std::uint32_t, double);
+template void AndOrSearch<1>::count_listed(std::uint64_t);
+template bool AndOrSearch<1>::keep_cuts(std::uint32_t, double, std::span<const CutLister<1>::Found>,
+                                        std::span<const std::uint64_t>, double, bool);
 template auto AndOrSearch<1>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<2>::node_of(const Set&, std::size_t);
 template double AndOrSearch<2>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<2>::keeps_all_cuts() const;
 template bool AndOrSearch<2>::store_cuts(std::uint32_t, double);
+template void AndOrSearch<2>::count_listed(std::uint64_t);
+template bool AndOrSearch<2>::keep_cuts(std::uint32_t, double, std::span<const CutLister<2>::Found>,
+                                        std::span<const std::uint64_t>, double, bool);
 template auto AndOrSearch<2>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<4>::node_of(const Set&, std::size_t);
 template double AndOrSearch<4>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<4>::keeps_all_cuts() const;
 template bool AndOrSearch<4>::store_cuts(std::uint32_t, double);
+template void AndOrSearch<4>::count_listed(std::uint64_t);
+template bool AndOrSearch<4>::keep_cuts(std::uint32_t, double, std::span<const CutLister<4>::Found>,
+                                        std::span<const std::uint64_t>, double, bool);
 template auto AndOrSearch<4>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<8>::node_of(const Set&, std::size_t);
 template double AndOrSearch<8>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<8>::keeps_all_cuts() const;
 template bool AndOrSearch<8>::store_cuts(std::uint32_t, double);
+template void AndOrSearch<8>::count_listed(std::uint64_t);
+template bool AndOrSearch<8>::keep_cuts(std::uint32_t, double, std::span<const CutLister<8>::Found>,
+                                        std::span<const std::uint64_t>, double, bool);
 template auto AndOrSearch<8>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 template std::uint32_t AndOrSearch<16>::node_of(const Set&, std::size_t);
 template double AndOrSearch<16>::search_stored(std::uint32_t, double);
 template bool AndOrSearch<16>::keeps_all_cuts() const;
 template bool AndOrSearch<16>::store_cuts(std::uint32_t, double);
+template void AndOrSearch<16>::count_listed(std::uint64_t);
+template bool AndOrSearch<16>::keep_cuts(std::uint32_t, double,
+                                         std::span<const CutLister<16>::Found>,
+                                         std::span<const std::uint64_t>, double, bool);
 template auto AndOrSearch<16>::next_stored_cut(std::uint32_t) const -> std::optional<Cut>;
 
 }  // namespace orasp::detail

@@ -119,7 +119,7 @@ auto AndOrSearch<kWords>::reached_pieces(std::size_t parts, bool priced) -> std:
 template <std::size_t kWords>
 void AndOrSearch<kWords>::sweep_layer(std::size_t parts) {
   constexpr std::size_t kBatch = 4;
-  const bool priced = raised_ != nullptr && gains_.prices().small_pieces().priced(parts);
+  const bool priced = has_own_prices(parts);
   std::vector<Swept> pieces = reached_pieces(parts, priced);
   const std::vector<std::uint32_t> reached = std::exchange(layers_[parts], {});
   if (pieces.empty()) return;
@@ -203,10 +203,9 @@ void AndOrSearch<kWords>::look_at_batch(std::span<Swept> pieces, bool priced, Sw
   for (Swept& swept : pieces) {
     if (stop()) return;
     if (priced && !swept.looked_at) {
-      const SmallPieces& small = gains_.prices().small_pieces();
       list_parts(swept.piece, sweeper.parts);
-      const double of_prices = small.bound(sweeper.parts) - sweeper.lister.tree(swept.piece);
-      const double above = swept.bound - of_prices - slack(scale_);
+      const double above =
+          above_prices(sweeper.parts, swept.bound, sweeper.lister.tree(swept.piece));
       // What loses more than that is of no use in any later sweep either.
       const double enough = std::max(swept.left, most_loss_) - above;
       raised_->fit(raised_->none(), sweeper.parts, enough, sweeper.raise);
@@ -222,11 +221,8 @@ void AndOrSearch<kWords>::look_at_batch(std::span<Swept> pieces, bool priced, Sw
     swept.complete = sweeper.listed.complete;
     swept.skipped = sweeper.listed.skipped;
     swept.looks = sweeper.listed.looks;
-    for (const auto& cut : sweeper.listed.cuts) {
-      into.cuts.push_back(cut);
-      into.hashes.push_back(memo_.hash(key(cut.side, 0).data()));
-      into.hashes.push_back(memo_.hash(key(cut.rest, 0).data()));
-    }
+    into.cuts.insert(into.cuts.end(), sweeper.listed.cuts.begin(), sweeper.listed.cuts.end());
+    add_hashes(sweeper.listed.cuts, into.hashes);
     swept.cuts_end = into.cuts.size();
   }
 }
@@ -255,23 +251,17 @@ void AndOrSearch<kWords>::take_batch(std::size_t parts, std::span<const Swept> p
       left_.resize(memo_.size(), -kInfinity);
     }
     layers_[parts].push_back(swept.number);
-    const StoredCuts& list = lists_[swept.number];
-    for (std::uint64_t i = list.begin; i < list.begin + list.size; ++i) {
-      constexpr std::uint64_t kAhead = 8;
-      if (i + kAhead < list.begin + list.size) {
-        __builtin_prefetch(&loss_[stored_[i + kAhead].side]);
-        __builtin_prefetch(&loss_[stored_[i + kAhead].rest]);
-      }
+    for_each_kept(lists_[swept.number], [&](std::uint64_t i) {
       const StoredCut& cut = stored_[i];
-      const double left = swept.left - cut.own_loss - loss_[cut.side] - loss_[cut.rest];
-      if (left < 0) continue;
+      const double left = swept.left - estimate(cut);
+      if (left < 0) return;
       ++result_.statistics.generated;
       for (const std::uint32_t side : {cut.side, cut.rest}) {
         if (exact_[side] != 0) continue;
         if (left_[side] == -kInfinity) layers_[set_of(side).size()].push_back(side);
         left_[side] = std::max(left_[side], left + loss_[side]);
       }
-    }
+    });
   }
 }
 
@@ -281,20 +271,13 @@ void AndOrSearch<kWords>::settle_swept(std::uint32_t number) {
   const StoredCuts& list = lists_[number];
   double best = kInfinity;
   double next = list.skipped;
-  for (std::uint64_t i = list.begin; i < list.begin + list.size; ++i) {
-    const StoredCut& cut = stored_[i];
-    const bool solved = exact_[cut.side] != 0 && exact_[cut.rest] != 0;
-    double& least = solved ? best : next;
-    least = std::min(least, cut.own_loss + loss_[cut.side] + loss_[cut.rest]);
-  }
+  for_each_kept(list, [&](std::uint64_t i) {
+    double& least = solved(stored_[i]) ? best : next;
+    least = std::min(least, estimate(stored_[i]));
+  });
   const double left = left_[number];
-  if (best <= left || best <= next + slack(scale_)) {
-    loss_[number] = best;
-    exact_[number] = 1;
-    return;
-  }
-  loss_[number] = std::max({loss_[number], next, std::nextafter(left, kInfinity)});
-  if (next == kInfinity) exact_[number] = 1;
+  const bool is_best = best <= left || best <= next + slack(scale_);
+  static_cast<void>(settled_loss(number, left, is_best ? best : kInfinity, next));
 }
 
 template double AndOrSearch<1>::sweep(std::uint32_t, double);
