@@ -50,7 +50,8 @@ bool worth_building(const TransitionSystem& system, const Budget& budget) {
 /// time for that.
 constexpr std::uint64_t kTurnsBeforeDense = 3;
 
-/// After so many turns larger pieces are listed for the bound.
+/// After so many turns larger pieces are listed for the bound, unless the search of pieces lowers
+/// it.
 constexpr std::uint64_t kTurnsBeforeMany = 1;
 
 double seconds_left(const Budget& budget) {
@@ -153,11 +154,13 @@ class Findings {
   bool infeasible_ = false;
 };
 
+/// The share of the gap that a turn has to close to be worth more of its kind.
+constexpr double kWorthwhile = 0.05;
+
 /// Whether a turn has narrowed the gap by so much that the next one may be four times as long, not
 /// twice. So no method takes all the time where another one gets on.
 bool worthwhile(double gap_before, double gap) {
-  constexpr double kShare = 0.05;
-  return !std::isfinite(gap) || gap_before - gap >= kShare * gap_before;
+  return !std::isfinite(gap) || gap_before - gap >= kWorthwhile * gap_before;
 }
 
 /// Looks piece by piece, in turns.
@@ -170,19 +173,26 @@ class PieceTurns {
   /// What ended the turn if it was more than its length.
   Stop look(Findings& findings) {
     const double before = findings.gap();
+    const double bound_before = *findings.best().bound;
     const Result result = turns_.next(rounds_, findings.best());
     findings.add(result);
     rounds_ = worthwhile(before, findings.gap()) ? 2 : 1;
+    const double lowered = bound_before - *findings.best().bound;
+    lowers_bound_ = std::isfinite(before) && lowered >= kWorthwhile * before;
     if (result.stop == Stop::None) ended_ = true;
     return result.stop == Stop::ExpansionLimit ? Stop::None : result.stop;
   }
   /// Whether the search of pieces has come to its end.
   [[nodiscard]] bool ended() const { return ended_; }
+  /// Whether the last turn closed a good share of the gap from above. Whatever is begun anew with
+  /// other prices has to do that again.
+  [[nodiscard]] bool lowers_bound() const { return lowers_bound_ && !ended_; }
 
  private:
   AndOrTurns turns_;
   std::uint64_t rounds_ = 2;
   bool ended_ = false;
+  bool lowers_bound_ = false;
 };
 
 /// `system` is `forwards`, or that backwards, where more is known about what is still to come.
@@ -265,8 +275,11 @@ Result chosen(const TransitionSystem& forwards, const TransitionSystem& system,
                   : "beam, since the state-action graph is too large to build";
   bool may_be_dense = dense_values_safe(forwards) && dense_table_fits(forwards, budget);
   std::uint64_t turn_length = kFirstTurn;
+  bool many_listed = false;
   for (std::uint64_t turn = 0; !findings.settled() && stop == Stop::None; ++turn) {
-    if (turn == kTurnsBeforeMany && more_is_worth_listing(*pieces, budget)) {
+    if (turn >= kTurnsBeforeMany && !many_listed && !turns->lowers_bound() &&
+        more_is_worth_listing(*pieces, budget)) {
+      many_listed = true;
       pieces = std::make_unique<PieceBound>(
           system, PieceBound::Kind::Both,
           std::make_shared<const PieceGains>(system, effort_for(SmallPieces::kManySets, budget)));

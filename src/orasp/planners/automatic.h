@@ -18,8 +18,9 @@ inline constexpr double kAutomaticMostActions = 2e8;
 ///             kAutomaticMostActions actions and fits, value-iteration. Elsewhere beam from the
 ///             best plan so far and and-or in turn, each turn twice as long as the one before, or
 ///             four times where that one has narrowed the gap, until the best plan meets the least
-///             bound of all, or to the limit; after a few turns, where memory and time allow, dense
-///             value iteration.
+///             bound of all, or to the limit; where and-or no longer lowers the bound, once with
+///             prices of larger pieces; after a few turns, where memory and time allow, dense value
+///             iteration.
 /// Guarantee.  Optimal only with one of these proofs; otherwise the best plan found and the least
 ///             bound proved. The same for any number of threads, unless a limit stops it.
 /// @param known  A plan to begin with, or null: only better ones are looked for. Not where
